@@ -361,7 +361,7 @@ class DamageOfOneJob(Fault):
             if ids[-1] is None:
                 count.found("wrong", f"{damaged}: a submission is refused: "
                             f"{scene.unsure[-1].refusal.details()}")
-            time.sleep(0.5)
+            time.sleep(0.5)  # the pace of the others
         must(count, lambda: all(map(scene.ended, filter(None, ids))),
              f"{damaged}: jobs of others do not end", self.longest)
         if held := scene.info().storage_fault:

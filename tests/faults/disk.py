@@ -16,7 +16,8 @@ from cases import FAKE, fake
 from dccast.v1 import job_pb2, service_pb2
 from fault import Fault
 from oracle import Count, must
-from scene import Scene, limit, pause, preloading
+from scene import Scene, limit, preloading
+from waiting import pause, turns
 
 HELD = 10.0  # seconds until the queue must be seen to be held
 HOLDING = "steps=3000 checkpoint=1000 sleep_ms=5"  # while the queue fills up
@@ -138,13 +139,13 @@ class SlowDisk(Fault):
             "WatchJob of a job that ends": lambda: next(scene.client.watch(ends)),
         }
         slow = {}
-        end = time.monotonic() + 10
-        while time.monotonic() < end and not scene.ended(ends):
+        for _ in turns(10, 0.01):
+            if scene.ended(ends):
+                break
             for name, call in calls.items():
                 begin = time.monotonic()
                 call()
                 slow[name] = max(slow.get(name, 0.0), time.monotonic() - begin)
-            time.sleep(0.01)
         scene.heal()
         for cancel in cancels:
             cancel.result(timeout=20)

@@ -11,7 +11,7 @@ from clients import ANSWER, memory_of
 from dccast.v1 import follow_pb2, job_pb2, service_pb2
 from fault import Fault
 from oracle import must
-from support import until
+from waiting import turns, until
 
 
 class BesideAFollower(Fault):
@@ -94,13 +94,12 @@ class EndlessRecord(Fault):
                    for spacing_s in (1e-7, 0.02)]
         for feeder in feeders:
             feeder.start()
-        slowest, end = 0.0, time.monotonic() + self.lasts
-        while time.monotonic() < end:
+        slowest = 0.0
+        for _ in turns(self.lasts, 0.05):
             begin = time.monotonic()
             scene.client.job(self.follower)
             scene.info(timeout=20)
             slowest = max(slowest, time.monotonic() - begin)
-            time.sleep(0.05)
         leaving.set()
         for feeder in feeders:
             feeder.join(30)

@@ -8,8 +8,9 @@ from disk import FailingDisk
 from dccast.v1 import job_pb2, service_pb2
 from fault import Fault
 from oracle import must, undisturbed
-from scene import Scene, alive, at_some_step, pause, signal_process
-from support import BIN, SANITIZED, until
+from scene import Scene, alive, at_some_step, signal_process
+from support import BIN, SANITIZED
+from waiting import pause, until
 
 # Short times, and still long against a machine that does other things too.
 WATCHFUL = {"workers__heartbeat_interval": "0.2 s", "workers__heartbeat_timeout": "2 s",

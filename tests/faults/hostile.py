@@ -16,6 +16,7 @@ from dccast.v1 import service_pb2
 from hostile_peers import KINDS
 from http2 import DATA, END_HEADERS, END_STREAM, HEADERS, Peer, frame, text, upload_of, whole
 from oracle import must
+from waiting import turns
 
 MOST_MEMORY = 300e6
 WAYS = ("local", "over TLS without a token", "over TLS with a token")
@@ -78,8 +79,8 @@ class HostilePeers(RemoteFault):
     def watch_others(self, scene, seconds, count, way):
         """Asks on both listeners, over an old and a new connection. Returns the slowest answer [s]."""
         before = [scene.client.stub, over_tls(scene, self.ca(scene), self.tokens["anna"])]
-        slowest, end = 0.0, time.monotonic() + seconds
-        while time.monotonic() < end:
+        slowest = 0.0
+        for _ in turns(seconds, 0.1):
             new = [scene.connected().stub, over_tls(scene, self.ca(scene), self.tokens["anna"])]
             for stub in before + new:
                 begin = time.monotonic()
@@ -91,7 +92,6 @@ class HostilePeers(RemoteFault):
                 slowest = max(slowest, time.monotonic() - begin)
             for _ in new:
                 scene.clients.pop().close()
-            time.sleep(0.1)
         return slowest
 
 
@@ -114,7 +114,7 @@ class UploadBesideStrangers(RemoteFault):
              str(self.before + self.lasts + 1.0), scene.daemon.tls_address, self.ca(scene)],
             env=environment())
         try:
-            time.sleep(self.before)
+            time.sleep(self.before)  # the strangers hold their requests by then
             self.upload(scene, count.tried)
         except OSError as error:
             count.found("wrong", f"{kind}: the upload was ended: {type(error).__name__}")
@@ -153,7 +153,7 @@ class StopUnderAttack(RemoteFault):
              os.path.join(os.path.dirname(__file__), "hostile_peers.py"), kind, str(self.lasts),
              scene.daemon.tls_address, self.ca(scene), self.token], env=environment())
         try:
-            time.sleep(self.before)
+            time.sleep(self.before)  # so long the peers send before it is to end
             begin = time.monotonic()
             code = scene.tell_daemon(signal.SIGTERM)
             taken = time.monotonic() - begin

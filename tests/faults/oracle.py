@@ -1,4 +1,5 @@
 """What must be true after every fault, whatever it was."""
+import contextlib
 import dataclasses
 import functools
 import hashlib
@@ -12,7 +13,8 @@ import h5py
 from cases import without_pauses
 from dccast.v1 import case_pb2, job_pb2, service_pb2
 from scene import Scene
-from support import TERMINAL, until
+from support import TERMINAL
+from waiting import until
 
 RESULTS = "results.h5"
 
@@ -215,11 +217,9 @@ def judge_job(scene, job_id, expected, end, count, torn):
 
 def wait_for_end(client, job_id, expected, end):
     states = TERMINAL if expected.state in (None, *TERMINAL) else (expected.state,)
-    while True:
-        job = client.job(job_id)
-        if job.state in states or time.monotonic() > end:
-            return job
-        time.sleep(0.02)
+    with contextlib.suppress(AssertionError):  # judged by its state
+        until(lambda: client.job(job_id).state in states, end - time.monotonic())
+    return client.job(job_id)
 
 
 def judge_events(client, job, count, torn):

@@ -12,9 +12,10 @@ from clients import memory_of
 from dccast.v1 import service_pb2, study_pb2
 from oracle import Count, judge, undisturbed
 from queries import varied
-from scene import TIED, at_some_step, pause, signal_process
+from scene import TIED, at_some_step, signal_process
 from studies import KilledStudy
 from support import BIN
+from waiting import pause
 
 
 class Soak(KilledStudy):

@@ -9,8 +9,8 @@ from cases import FAKE, REAL, coarse, fake, own_mesh
 from dccast.v1 import follow_pb2, job_pb2, line_pb2, service_pb2, study_pb2
 from fault import Fault
 from oracle import all_jobs, content_of_results
-from scene import Expected, pause, signal_process
-from support import until
+from scene import Expected, signal_process
+from waiting import pause, until
 
 ENDED = (study_pb2.STUDY_SUCCEEDED, study_pb2.STUDY_FAILED, study_pb2.STUDY_CANCELLED)
 

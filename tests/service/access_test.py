@@ -16,7 +16,8 @@ import grpc
 
 from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
 from certificates import TestCa
-from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, setting_options, until
+from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, setting_options
+from waiting import until
 
 NOBODY = 65534
 

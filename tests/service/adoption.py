@@ -4,7 +4,8 @@ import signal
 
 from dccast.v1 import job_pb2
 from rows import change_rows
-from support import ServiceTest, curve, fake_case, start_ticks, until
+from support import ServiceTest, curve, fake_case, start_ticks
+from waiting import until
 
 SUCCEEDED = job_pb2.SUCCEEDED
 

@@ -9,7 +9,8 @@ import time
 from adoption import SUCCEEDED, AdoptionTest
 from dccast.v1 import job_pb2
 from real_run_test import RealRunTest, physics
-from support import BIN, curve, main, start_ticks, until
+from support import BIN, curve, main, start_ticks
+from waiting import until
 
 
 class KilledDaemon(AdoptionTest):
@@ -17,7 +18,7 @@ class KilledDaemon(AdoptionTest):
         expected = self.expected_curve()
         job_id, worker = self.running_job()
         self.daemon.kill()
-        time.sleep(0.2)  # in which it makes steps that nobody hears
+        time.sleep(0.2)  # in which it makes steps without a daemon
         self.restart()
         self.assertEqual(self.client.job(job_id).state, job_pb2.RUNNING)
         self.client.until_step(job_id, 20, seconds=4)

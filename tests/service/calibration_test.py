@@ -12,7 +12,8 @@ import unittest
 
 from dccast.v1 import judgement_pb2
 from data_study import DataStudyCase
-from support import BIN, SANITIZED, main, until
+from support import BIN, SANITIZED, main
+from waiting import until
 
 FREE = ("--free", "schedule.casting_temperature=± 10 K",
         "--free", "cooling.bottom_block.contact_coefficient=0.6..1.6 times")

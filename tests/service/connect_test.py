@@ -19,7 +19,8 @@ from google.protobuf import json_format
 
 from dccast.v1 import job_pb2, refusal_pb2, service_pb2, service_pb2_grpc
 from doctor_test import ClientTest
-from support import BIN, fake_case, main, until
+from support import BIN, fake_case, main
+from waiting import until
 
 SERVICE = "dccast.v1.SimulationService"
 METHODS = service_pb2.DESCRIPTOR.services_by_name["SimulationService"].methods

@@ -4,12 +4,12 @@ import os
 import resource
 import signal
 import subprocess
-import time
 
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, TERMINAL, ServiceTest, curve, fake_case, main, until
+from support import BIN, TERMINAL, ServiceTest, curve, fake_case, main
+from waiting import until
 
 
 class Crash(ServiceTest):

@@ -21,7 +21,8 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 import own_mesh_test
 from dccast.v1 import case_pb2, job_pb2, service_pb2, study_pb2
-from support import BIN, WAIT_FACTOR, ServiceTest, fake_case, main, until
+from support import BIN, ServiceTest, fake_case, main
+from waiting import WAIT_FACTOR, stays, until
 
 CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
 SERVICE = "/dccast.v1.SimulationService/"
@@ -415,8 +416,7 @@ class Pages(InBrowser):
         self.wait_for("onerror", "tbody")
         for page in ("jobs", f"job/{job}", f"compare/{job}/{job}", "wall", "studies"):
             self.go(page)
-            time.sleep(0.5)  # in which a script among the names would run
-            self.assertNotIn("broken", self.browser.title)
+            stays(lambda: "broken" not in self.browser.title, 0.5)  # a script among the names runs by then
             self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "main img"), [])
 
     def test_a_thousand_jobs(self):
@@ -455,7 +455,7 @@ class Pages(InBrowser):
         self.finished_job("steps=20")
         for page in ("jobs", "studies", "what-if", "wall"):
             self.go(page)
-            time.sleep(1)
+            time.sleep(1)  # nothing says that a page has drawn its last part
             tree = self.browser.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
             unnamed = [node["role"]["value"] for node in tree
                        if not node.get("ignored") and node["role"]["value"] in
@@ -468,7 +468,7 @@ class Pages(InBrowser):
             "features": [{"name": "prefers-color-scheme", "value": "dark"}]})
         for page in ("jobs", "studies", "what-if", "wall"):
             self.go(page)
-            time.sleep(0.5)
+            time.sleep(0.5)  # as above
             wide = self.browser.execute_script("return document.documentElement.scrollWidth")
             self.assertLessEqual(wide, 360, page)
             ink, paper = (self.browser.execute_script(
@@ -503,7 +503,7 @@ class Pages(InBrowser):
         for page in ("jobs", f"job/{jobs[0]}", f"compare/{jobs[0]}/{jobs[1]}", "studies", "what-if",
                      "wall"):
             self.go(page)
-            time.sleep(1)
+            time.sleep(1)  # nothing says that a page has drawn its last part
             self.assertEqual(self.hidden_sideways(), [], page)
         self.assertEqual(self.complaints(), [])
 

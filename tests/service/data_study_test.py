@@ -9,7 +9,8 @@ import grpc
 
 from data_study import CASE, DATA, DataStudyCase
 from dccast.v1 import study_pb2
-from support import main, until
+from support import main
+from waiting import until
 
 CARDS = os.path.join(os.path.dirname(CASE), "alloys")
 

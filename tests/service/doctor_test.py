@@ -12,7 +12,8 @@ import threading
 import unittest
 
 from certificates import TestCa
-from support import BIN, Daemon, ServiceTest, until
+from support import BIN, Daemon, ServiceTest
+from waiting import until
 
 
 class ClientTest(ServiceTest):

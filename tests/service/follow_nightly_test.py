@@ -4,12 +4,12 @@ import os
 import random
 import signal
 import subprocess
-import time
 
 from dccast.v1 import job_pb2, service_pb2
 from follow_test import FollowTest, table
 from real_run_test import physics
-from support import BIN, main, until
+from support import BIN, main
+from waiting import pause, until
 
 KILLS = 50
 CASTINGS_END = 145  # s of casting, after a hold of 60 s
@@ -39,7 +39,7 @@ class Kills(FollowTest):
             for shot in range(KILLS):
                 file.writelines(lines[first + 3 * shot:first + 3 * (shot + 1)])
                 file.flush()
-                time.sleep(shots.uniform(0.05, 0.6))
+                pause(shots, 0.6, 0.05)
                 target = shots.choice(sorted(killed))
                 killed[target] += 1
                 client = self.kill(target, client, job_id, path)

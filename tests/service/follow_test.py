@@ -14,7 +14,8 @@ import numpy
 
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, line_pb2, service_pb2, study_pb2
 from real_run_test import RealRunTest, physics
-from support import BIN, WAIT_FACTOR, main, until
+from support import BIN, main
+from waiting import WAIT_FACTOR, stays, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 END = 40  # s of casting: a second of computing at draft
@@ -109,10 +110,11 @@ class Record(FollowTest):
         kept = self.append(job_id, *first)
         self.assertEqual((kept.number, kept.time_s, kept.closed), (21, -40, False))
         self.until_time(job_id, -44)
-        time.sleep(0.5)  # it would go on in this time
-        job = self.client.job(job_id)
-        self.assertEqual(job.state, job_pb2.RUNNING)
-        self.assertLessEqual(job.last_step.time_s, -40)
+
+        def waits():
+            job = self.client.job(job_id)
+            return job.state == job_pb2.RUNNING and job.last_step.time_s <= -40
+        stays(waits, 0.5)
 
         self.append(job_id, *readings(begin=-39, end=20, first=22))
         self.append(job_id, follow_pb2.Reading(number=82, closes=True))
@@ -848,13 +850,13 @@ class Client(FollowTest):
             how = renewals.get(number)
             if how:
                 file.write("partial" if how == "renamed" else "")
-                time.sleep(0.6)
+                time.sleep(0.6)  # longer than between two looks of the client at its file
                 if how == "renamed":
                     os.rename(path, path + ".1")
                 file.close()
                 if how in ("deleted", "turned"):
                     os.unlink(path)
-                    time.sleep(0.5)
+                    time.sleep(0.5)  # so that it finds no file for a while
                 turned = how == "turned"
                 file = open(path, "w", encoding="utf-8", buffering=1)
                 file.write((",".join(reversed(rows[0].split(","))) if turned else rows[0]) + "\n")
@@ -876,7 +878,7 @@ class Client(FollowTest):
         rows = table().splitlines(keepends=True)
         process.stdin.write("".join(rows[:20]))
         process.stdin.flush()
-        time.sleep(12)
+        time.sleep(12)  # longer than the 10 s after which the client says it
         _, err = self.ended(process, input="".join(rows[20:]))
         self.assertIn("no line for 10 s; still waiting", err)
         self.assertIn("lines come again, after 1", err)
@@ -988,7 +990,7 @@ class Client(FollowTest):
         self.daemon.kill()
         for line in lines[40:90]:
             self.write(client, [line])
-            time.sleep(0.9)
+            time.sleep(0.9)  # the pace of a plant: 45 s in all
         kept = self.kept_file(job_id)
         self.assertGreater(os.path.getsize(kept), 1000)
         self.assertEqual(os.stat(kept).st_mode & 0o777, 0o600)

@@ -14,7 +14,8 @@ import threading
 import unittest
 
 from dccast.v1 import job_pb2
-from support import BIN, SANITIZED, WAIT_FACTOR, ServiceTest, connected, fake_case, main, until
+from support import BIN, SANITIZED, ServiceTest, connected, fake_case, main
+from waiting import WAIT_FACTOR, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 LONG = "steps=100000 sleep_ms=5"

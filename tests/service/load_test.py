@@ -16,6 +16,7 @@ import grpc
 
 from dccast.v1 import job_pb2, service_pb2
 from support import ServiceTest, connected, fake_case, main
+from waiting import until
 
 LONG = "--long" in sys.argv
 if LONG:
@@ -91,9 +92,10 @@ class Checks(Load):
         for thread in threads:
             thread.start()
         delays = []
-        while any(thread.is_alive() for thread in threads):
+        def have_ended():
             delays.append(timed(self.info))
-            time.sleep(0.01)
+            return not any(thread.is_alive() for thread in threads)
+        until(have_ended, 60)
         for thread in threads:
             thread.join()
         print()

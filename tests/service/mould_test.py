@@ -4,13 +4,13 @@ kill -9, a cancellation, the loss of the store."""
 import json
 import os
 import subprocess
-import time
 
 import grpc
 
 from dccast.v1 import case_pb2, options_pb2, study_pb2
-from support import BIN, fake_case, main, until
+from support import BIN, fake_case, main
 from sweep_test import StudyTest
+from waiting import stays, until
 
 WANTED = 0.285
 
@@ -109,8 +109,7 @@ class Mould(StudyTest):
         self.cancel(study.id)
         ended = self.until_ended(study.id)
         self.assertEqual(ended.state, study_pb2.STUDY_CANCELLED)
-        time.sleep(0.3)  # in which further runs would come
-        self.assertEqual(len(self.jobs_of(study.id)), 1)
+        stays(lambda: len(self.jobs_of(study.id)) == 1, 0.3)
         self.assertEqual(self.resume(study.id).state, study_pb2.STUDY_RUNNING)
         self.assertEqual(self.until_ended(study.id).state, study_pb2.STUDY_SUCCEEDED)
         self.assertTrue(self.evaluate(study.id).mould.within_tolerance)

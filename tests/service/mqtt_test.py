@@ -12,7 +12,8 @@ from certificates import TestCa
 from follow_test import END, FollowTest, levers, table
 from mqtt_client import MqttClient
 from real_run_test import physics
-from support import WAIT_FACTOR, main, until
+from support import main
+from waiting import WAIT_FACTOR, until
 
 USER, PASSWORD = "logger", "a secret"
 

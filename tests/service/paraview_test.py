@@ -8,7 +8,8 @@ import unittest
 
 import h5py
 import numpy as np
-from support import BIN, WAIT_FACTOR, ServiceTest, main
+from support import BIN, ServiceTest, main
+from waiting import WAIT_FACTOR
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CASES = os.path.join(HERE, "..", "..", "cases")

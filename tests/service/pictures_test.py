@@ -18,8 +18,9 @@ from selenium.webdriver.common.keys import Keys
 
 from dashboard_test import CASES, InBrowser
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, main, until
+from support import BIN, main
 from wall_test import Wall
+from waiting import until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MADE = os.environ.get("DCCAST_PICTURES", "pictures")
@@ -95,7 +96,7 @@ class Pictures(Camera):
         self.find("canvas[aria-label^='Stress']", 60)
         self.find(".cuts option[value='1']").click()
         self.find("canvas").click()
-        time.sleep(1)
+        time.sleep(1)  # a canvas does not say that it is drawn
         self.take("dashboard-slab.png", ".job-parts")
         for name in ("report.png", "quarter-slab.png", "casting-drawing.png"):
             self.keep(name)
@@ -108,7 +109,7 @@ class Pictures(Camera):
         for _ in range(12):
             slider.send_keys(Keys.ARROW_RIGHT)
         self.wait_for("Changed: corner", seconds=60)
-        time.sleep(1)
+        time.sleep(1)  # a canvas does not say that it is drawn
         self.take("dashboard-what-if.png")
 
     def test_new_case(self):

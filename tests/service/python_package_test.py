@@ -31,7 +31,8 @@ import dccast.v1.service_pb2
 import dccast.v1.study_pb2
 from dccast.text import millimetres
 from doctor_test import ClientTest
-from support import BIN, ServiceTest, main, until
+from support import BIN, ServiceTest, main
+from waiting import until
 
 CASE = "start-2d-thickness"
 QUICK = {"quality": "draft", "time.end": "20 s"}

@@ -10,7 +10,8 @@ import time
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, curve, fake_case, main, until, work_of
+from support import BIN, ServiceTest, curve, fake_case, main, work_of
+from waiting import until
 
 
 def question(title="", columns=30, **rest):

@@ -10,7 +10,8 @@ import subprocess
 import grpc
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, until
+from support import BIN, ServiceTest, fake_case, main
+from waiting import until
 
 SUCCEEDED, CANCELLED = job_pb2.SUCCEEDED, job_pb2.CANCELLED
 SHIPPED = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")

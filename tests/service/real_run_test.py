@@ -11,7 +11,8 @@ import h5py
 import numpy
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, WAIT_FACTOR, ServiceTest, main
+from support import BIN, ServiceTest, main
+from waiting import WAIT_FACTOR
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 CHECK = os.path.join(os.path.dirname(__file__), "..", "unit", "results", "check_results_file.py")

@@ -4,10 +4,10 @@ import json
 import os
 import re
 import subprocess
-import time
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, main, until
+from support import BIN, ServiceTest, main
+from waiting import stays, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 
@@ -71,9 +71,11 @@ class RealSteering(ServiceTest):
     def assert_stands_still(self, job_id):
         until(lambda: not self.daemon.worker_processes(), 10)
         step = self.client.job(job_id).last_step.step
-        time.sleep(0.3)  # in which it would go on
-        job = self.client.job(job_id)
-        self.assertEqual((job.state, job.last_step.step), (job_pb2.PAUSED, step))
+
+        def stands():
+            job = self.client.job(job_id)
+            return (job.state, job.last_step.step) == (job_pb2.PAUSED, step)
+        stays(stands, 0.3)
         return step
 
     def test_paused_at_a_checkpoint_and_resumed_to_the_same_bits(self):

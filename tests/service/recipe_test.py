@@ -9,7 +9,8 @@ import subprocess
 
 from data_study import DataStudyCase
 from dccast.v1 import job_pb2, service_pb2, study_pb2
-from support import BIN, main, until
+from support import BIN, main
+from waiting import until
 
 # Two of the four data are enough.
 TWO_DATA = (r'(?s)^"alloy\.specific_heat.*', "")

@@ -11,7 +11,8 @@ import zlib
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, connected, fake_case, main, until, work_of
+from support import BIN, ServiceTest, connected, fake_case, main, work_of
+from waiting import until
 
 
 class Refusal(ServiceTest):

@@ -5,7 +5,7 @@ import signal
 import socket
 
 from adoption import SUCCEEDED, AdoptionTest
-from support import BIN, main, until
+from support import BIN, main
 
 
 class Manager:

@@ -15,7 +15,8 @@ import support
 from dccast.v1 import job_pb2, service_pb2, study_pb2
 from real_run_test import RealRunTest, physics
 from slurm_cluster import Cluster, missing_programs
-from support import ServiceTest, curve, fake_case, start_ticks, until
+from support import ServiceTest, curve, fake_case, start_ticks
+from waiting import pause, until
 
 NIGHTLY = "--nightly" in sys.argv
 SUCCEEDED, CANCELLED = job_pb2.SUCCEEDED, job_pb2.CANCELLED
@@ -81,10 +82,9 @@ class SlurmTest(ServiceTest):
     def succeeds(self, job_id, attempts=1, steps=60):
         """With the history of an undisturbed run, each step once. attempts: None for any number"""
         def ended():
-            time.sleep(0.2)
             cluster.node_is_ready()  # resumed by its administrator, where Slurm has drained it
             return self.client.job(job_id).state in support.TERMINAL
-        until(ended, 120)
+        until(ended, 120, every_s=0.2)
         job = self.client.job(job_id)
         self.assertEqual(job.state, SUCCEEDED, job.failure)
         self.assertIn(attempts, (job.attempts, None), self.log_lines_of(job_id))
@@ -262,7 +262,7 @@ class Nightly(SlurmTest):
                 study=study.id, page_size=1000), timeout=20).jobs)
             if len(jobs) == 50 and all(job.state in support.TERMINAL for job in jobs):
                 break
-            time.sleep(chance.uniform(0.5, 3))
+            pause(chance, 3, 0.5)
             if kills < 40:
                 kills += 1
                 self.kill_something(chance)
@@ -280,7 +280,7 @@ class Nightly(SlurmTest):
         what = chance.choice(("slurmctld", "slurmctld", "slurmd", "daemon", "worker"))
         if what == "daemon":
             self.daemon.kill()
-            time.sleep(chance.uniform(0, 2))
+            pause(chance, 2)
             self.restart()
         elif what == "worker":
             if workers := self.workers():

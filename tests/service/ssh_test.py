@@ -9,7 +9,8 @@ import subprocess
 import threading
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, start_ticks, until
+from support import BIN, ServiceTest, fake_case, main, start_ticks
+from waiting import until
 
 STAND_IN = """#!/usr/bin/python3
 import os, signal, socket, sys, threading, time
@@ -23,7 +24,7 @@ if "nowhere" in sys.argv:
     sys.exit("ssh: Could not resolve hostname nowhere")
 listener = socket.socket(socket.AF_UNIX)
 listener.bind(sys.argv[sys.argv.index("-L") + 1].split(":")[0])
-time.sleep({pause_s})
+time.sleep({pause_s})  # as a slow login
 listener.listen()
 while True:
     client = listener.accept()[0]

@@ -11,7 +11,8 @@ import subprocess
 import h5py
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, WAIT_FACTOR, ServiceTest, main, until
+from support import BIN, ServiceTest, main
+from waiting import WAIT_FACTOR, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 

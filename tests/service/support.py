@@ -12,16 +12,16 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 import grpc
 
 from dccast.v1 import case_pb2, job_pb2, refusal_pb2, service_pb2, service_pb2_grpc
 
+sys.path.append(os.path.join(os.path.dirname(__file__), os.pardir, "support"))
+from waiting import WAIT_FACTOR, until
+
 BIN = os.environ["DCCAST_BIN"]
-# Above 1 where the programs are slowed down: by sanitizers, tests/run.
-WAIT_FACTOR = float(os.environ.get("DCCAST_WAIT_FACTOR", "1"))
 SANITIZED = "DCCAST_SANITIZER_REPORTS" in os.environ
 TERMINAL = (job_pb2.SUCCEEDED, job_pb2.FAILED, job_pb2.CANCELLED)
 
@@ -259,15 +259,6 @@ class Client:
 
     def until_step(self, job_id, step, seconds=60):
         until(lambda: self.job(job_id).last_step.step >= step, seconds)
-
-
-def until(condition, seconds):
-    """Waits for a condition; fails when it does not come true in time."""
-    end = time.monotonic() + seconds * WAIT_FACTOR
-    while not condition():
-        if time.monotonic() > end:
-            raise AssertionError("waited in vain")
-        time.sleep(0.01)
 
 
 def fake_case(title="", **rest):

@@ -16,7 +16,8 @@ import h5py
 import numpy
 
 from dccast.v1 import job_pb2, service_pb2, study_pb2
-from support import BIN, TERMINAL, ServiceTest, fake_case, main, until
+from support import BIN, TERMINAL, ServiceTest, fake_case, main
+from waiting import stays, until
 
 UUID = "0f2b9a4e-0000-4000-8000-000000000000"
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
@@ -162,8 +163,7 @@ class Sweep(StudyTest):
         self.assertGreater(cancelled.cancelled, 20)
         self.assertTrue(all(job.state in TERMINAL for job in self.jobs_of(study.id)))
         before = len(self.jobs_of(study.id))
-        time.sleep(0.3)  # in which further runs would come
-        self.assertEqual(len(self.jobs_of(study.id)), before)
+        stays(lambda: len(self.jobs_of(study.id)) == before, 0.3)
 
         self.assertEqual(self.resume(study.id).state, study_pb2.STUDY_RUNNING)
         ended = self.until_ended(study.id)
@@ -205,10 +205,12 @@ class Sweep(StudyTest):
         took = time.monotonic() - begin
         self.assertEqual(self.study(study.id).state, study_pb2.STUDY_RUNNING)
 
-        while self.study(study.id).state == study_pb2.STUDY_RUNNING:
+        def has_ended():
+            nonlocal most_waiting
             waiting = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
             most_waiting = max(most_waiting, waiting.queued)
-            time.sleep(0.05)
+            return self.study(study.id).state != study_pb2.STUDY_RUNNING
+        until(has_ended, 120, every_s=0.05)
         ended = self.study(study.id)
         self.assertEqual((ended.state, ended.succeeded), (study_pb2.STUDY_SUCCEEDED, 200))
         self.assertLessEqual(most_waiting, 17)

@@ -9,7 +9,8 @@ import termios
 import time
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, until
+from support import BIN, ServiceTest, fake_case, main
+from waiting import until
 
 ENTER, LEAVE = b"\033[?1049h\033[?25l", b"\033[?25h\033[?1049l"
 

@@ -18,8 +18,9 @@ from selenium.webdriver.common.keys import Keys
 
 from access_test import AccessTest
 from certificates import TestCa
-from support import BIN, Daemon, main, until
+from support import BIN, Daemon, main
 from web_pages_test import Hands
+from waiting import until
 
 SERVER, PC = "192.0.2.1", "192.0.2.2"  # of the documentation: in no other network
 CLONE_NEWNET = 0x40000000

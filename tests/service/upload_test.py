@@ -8,7 +8,8 @@ import subprocess
 import grpc
 
 from dccast.v1 import job_pb2, study_pb2
-from support import BIN, SANITIZED, ServiceTest, fake_case, main, until
+from support import BIN, SANITIZED, ServiceTest, fake_case, main
+from waiting import until
 
 
 def case_with(*attachments):

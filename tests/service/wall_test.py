@@ -8,7 +8,8 @@ from selenium.webdriver.common.by import By
 from dashboard_test import InBrowser
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, study_pb2
 from follow_test import FollowTest, levers
-from support import main, until
+from support import main
+from waiting import until
 
 END = 120  # s of the plan
 
