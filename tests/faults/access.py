@@ -137,7 +137,7 @@ class ClientCertificateExpiresUnderWatch(RemoteFault):
         scene.client.cancel(job_id)
         scene.acknowledged.pop(job_id)  # that it goes on until then is seen by its state
         until(lambda: scene.ended(job_id), 20)
-        scene.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job_id), timeout=10)
+        scene.client.ask("DeleteJob", id=job_id)
 
 
 class ServerCertificateExpiresUnderWatch(RemoteFault):

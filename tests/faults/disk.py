@@ -133,7 +133,7 @@ class SlowDisk(Fault):
                    for job_id in (waiting[0], idle)]
         calls = {
             "GetJob": lambda: scene.client.job(ends),
-            "ListJobs": lambda: scene.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10),
+            "ListJobs": lambda: scene.client.ask("ListJobs"),
             # The first event of each: a later one may not have been made yet.
             "WatchJob of a job that runs": lambda: next(scene.client.watch(waiting[1])),
             "WatchJob of a job that ends": lambda: next(scene.client.watch(ends)),
@@ -348,7 +348,7 @@ class PauseWriteFails(FailedOrder):
     wanted = job_pb2.PAUSED
 
     def order(self, scene, job_id):
-        scene.client.stub.PauseJob(service_pb2.PauseJobRequest(id=job_id), timeout=10)
+        scene.client.ask("PauseJob", id=job_id)
 
 
 class RefusedCancel(Fault):

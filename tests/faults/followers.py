@@ -61,8 +61,7 @@ class FedFollower(BesideAFollower):
         for number in range(1, 10_000):
             reading = follow_pb2.Reading(number=number, time_s=-60.0 + number)
             with contextlib.suppress(grpc.RpcError):  # the casting has ended
-                client.stub.AppendReadings(
-                    follow_pb2.AppendReadingsRequest(id=self.follower, readings=[reading]), timeout=20)
+                client.ask("AppendReadings", id=self.follower, readings=[reading])
             if self.leaving.wait(0.1):
                 return
 
@@ -85,8 +84,7 @@ class EndlessRecord(Fault):
             readings = [follow_pb2.Reading(number=number + i, time_s=spacing_s * (number + i))
                         for i in range(1, 1001)]
             with contextlib.suppress(grpc.RpcError):
-                number = client.stub.AppendReadings(follow_pb2.AppendReadingsRequest(
-                    id=self.follower, readings=readings), timeout=20).number
+                number = client.ask("AppendReadings", id=self.follower, readings=readings).number
 
     def disturb(self, scene, count):
         leaving = threading.Event()
@@ -105,8 +103,7 @@ class EndlessRecord(Fault):
             feeder.join(30)
         job = scene.client.job(self.follower)
         peak = memory_of(scene.daemon.process.pid, "VmHWM")
-        number = scene.client.stub.AppendReadings(
-            follow_pb2.AppendReadingsRequest(id=job.id), timeout=20).number
+        number = scene.client.ask("AppendReadings", id=job.id).number
         count.measured("s", slowest)
         count.measured("readings", number)
         if number > self.most:

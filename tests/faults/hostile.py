@@ -1,7 +1,6 @@
 """Hostile peers: memory of the daemon, and how long another client waits, during and after each kind."""
 import contextlib
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -74,7 +73,7 @@ class HostilePeers(RemoteFault):
         scene.client.cancel(self.long_job)
         scene.acknowledged.pop(self.long_job)
         must(count, lambda: scene.ended(self.long_job), "the job did not end", 30)
-        scene.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=self.long_job), timeout=10)
+        scene.client.ask("DeleteJob", id=self.long_job)
 
     def watch_others(self, scene, seconds, count, way):
         """Asks on both listeners, over an old and a new connection. Returns the slowest answer [s]."""

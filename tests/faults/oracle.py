@@ -11,7 +11,7 @@ import grpc
 import h5py
 
 from cases import without_pauses
-from dccast.v1 import case_pb2, job_pb2, service_pb2
+from dccast.v1 import case_pb2, job_pb2
 from scene import Scene
 from support import TERMINAL
 from waiting import until
@@ -75,8 +75,7 @@ def all_steps(client, job_id):
     """The step history by QueryResult, page by page."""
     steps, token = [], ""
     while True:
-        answer = client.stub.QueryResult(
-            service_pb2.QueryResultRequest(id=job_id, page_token=token), timeout=30)
+        answer = client.ask("QueryResult", id=job_id, page_token=token)
         steps += answer.steps
         token = answer.next_page_token
         if not token:
@@ -86,8 +85,7 @@ def all_steps(client, job_id):
 def all_jobs(client):
     jobs, token = [], ""
     while True:
-        answer = client.stub.ListJobs(
-            service_pb2.ListJobsRequest(page_size=1000, page_token=token), timeout=30)
+        answer = client.ask("ListJobs", page_size=1000, page_token=token)
         jobs += answer.jobs
         token = answer.next_page_token
         if not token:

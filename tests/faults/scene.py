@@ -14,7 +14,7 @@ import uuid
 import grpc
 
 from cases import FAKE
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2
 from support import BIN, TERMINAL, Client, Daemon, start_ticks
 from waiting import pause, until
 
@@ -181,7 +181,7 @@ class Scene:
                 if self.client.job(job_id).state == job_pb2.RUNNING]
 
     def info(self, timeout=5):
-        return self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=timeout)
+        return self.client.ask("GetServerInfo", timeout=timeout)
 
     def state_command(self, *words):
         """`dccastd check`, `backup` or `restore` of the folder; raises RuntimeError when it fails."""

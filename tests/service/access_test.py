@@ -71,8 +71,7 @@ class AccessTest(ServiceTest):
     def token_of(self, name, role="submitter"):
         secret = self.secret_of(self.admin("user", "add", name, "--role", role))
         with Remote(self.daemon) as client:
-            return client.stub.Enrol(
-                service_pb2.EnrolRequest(secret=secret, machine="desk"), timeout=10).token
+            return client.ask("Enrol", secret=secret, machine="desk").token
 
     def remote(self, token="", certificate=None):
         client = Remote(self.daemon, token, certificate)

@@ -10,7 +10,6 @@ import signal
 import subprocess
 import unittest
 
-from dccast.v1 import judgement_pb2
 from data_study import DataStudyCase
 from support import BIN, SANITIZED, main
 from waiting import until
@@ -55,8 +54,7 @@ class Calibration(DataStudyCase):
         self.assertIn("check_error", curve)  # true runs have checked it
         self.assertGreater(answer["calibration"]["runs"][0], 16)
         # Asked for by its id alone, the server finds the further runs too.
-        judged = self.client.stub.JudgeStudy(
-            judgement_pb2.JudgeStudyRequest(id=answer["study"]["id"]), timeout=60).judgement
+        judged = self.client.ask("JudgeStudy", id=answer["study"]["id"]).judgement
         self.assertEqual(answer["judgement"]["sentences"], list(judged.sentences))
         self.assertEqual(keys[0]["key"], "schedule.casting_temperature.offset")
         self.assertEqual(keys[0]["unit"], "K")

@@ -35,9 +35,8 @@ class Comparisons(ServiceTest):
         return job.id
 
     def compare(self, *runs, **rest):
-        return self.client.stub.CompareRuns(
-            judgement_pb2.CompareRunsRequest(runs=[judgement_pb2.ComparedRun(**run) for run in runs],
-                                             **rest), timeout=20)
+        return self.client.ask("CompareRuns", runs=[judgement_pb2.ComparedRun(**run) for run in runs],
+                               **rest)
 
     def test_a_job_and_an_answer_are_compared(self):
         comparison = self.compare({"job": self.finished_job()},

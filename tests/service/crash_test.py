@@ -7,8 +7,8 @@ import subprocess
 
 import grpc
 
-from dccast.v1 import job_pb2, service_pb2
-from support import BIN, TERMINAL, ServiceTest, curve, fake_case, main
+from dccast.v1 import job_pb2
+from support import TERMINAL, ServiceTest, curve, fake_case, main
 from waiting import until
 
 
@@ -151,7 +151,7 @@ class Crash(ServiceTest):
         os.makedirs(orphan)
         self.restart()
         self.assertFalse(os.path.exists(orphan))
-        info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        info = self.client.ask("GetServerInfo")
         self.assertEqual(info.quarantined, 1)
 
     def test_two_daemons_on_one_folder(self):
@@ -171,7 +171,7 @@ class Crash(ServiceTest):
         self.client.until_step(jobs[0].id, 10)
         self.limit_file_size(1)
         until(lambda: all(self.client.job(job.id).held for job in jobs[2:]), 20)
-        info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        info = self.client.ask("GetServerInfo")
         self.assertTrue(info.storage_fault)
 
         self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit, fake_case("steps=1"))

@@ -20,7 +20,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 import own_mesh_test
-from dccast.v1 import case_pb2, job_pb2, service_pb2, study_pb2
+from dccast.v1 import case_pb2, job_pb2
 from support import BIN, ServiceTest, fake_case, main
 from waiting import WAIT_FACTOR, stays, until
 
@@ -175,8 +175,7 @@ class RealRuns(WithoutBrowser):
         nodes, elements, per, triangles, edges, dimension = struct.unpack("<6i", raw[:24])
         self.assertEqual(len(raw), 32 + 4 * (4 + 7 * nodes + elements * per + 3 * triangles + 2 * edges))
 
-        frame = self.client.stub.QueryResult(
-            service_pb2.QueryResultRequest(id=job, frame=True), timeout=20).frame
+        frame = self.client.ask("QueryResult", id=job, frame=True).frame
         self.assertEqual((nodes, dimension), (len(frame.temperature_c), 2))
 
         height = struct.unpack(f"<{3 * nodes}f", raw[48:48 + 12 * nodes])[2::3]
@@ -752,15 +751,14 @@ class RealPages(InBrowser):
         end.send_keys("200, 20")
         self.press("Along the line", "main")
         self.wait_for("from 10.0, 20.0 to 200.0, 20.0 mm at 60.0 s", "figcaption")
-        stress = max(self.client.stub.QueryResult(service_pb2.QueryResultRequest(
-            id=job, frame=True, field="von_mises_pa"), timeout=20).frame.field.values)
+        stress = max(self.client.ask("QueryResult", id=job, frame=True,
+                                     field="von_mises_pa").frame.field.values)
 
         saved = self.save_files_in("slab")
         self.press("Data (CSV)", "main")
         lines = saved(".csv").decode().splitlines()
         self.assertIn("Stress, von Mises [MPa]", lines[0])
-        nodes = len(self.client.stub.QueryResult(service_pb2.QueryResultRequest(
-            id=job, frame=True), timeout=20).frame.temperature_c)
+        nodes = len(self.client.ask("QueryResult", id=job, frame=True).frame.temperature_c)
         self.assertEqual(len(lines), nodes + 1)
         largest = max(float(line.split(",")[-1]) for line in lines[1:])
         # Means of the elements around a node, in MPa.
@@ -862,8 +860,7 @@ class RealPages(InBrowser):
         self.press("Queue as a job", "#found")
         self.wait_for("Queued as", "#found", seconds=60)
         job = self.text("#found p[role=status] a")
-        case = self.client.stub.QueryResult(
-            service_pb2.QueryResultRequest(id=job), timeout=20).case
+        case = self.client.ask("QueryResult", id=job).case
         self.assertAlmostEqual(case.section.half_width_m, 0.8)
         self.client.cancel(job)
         self.assertEqual(self.complaints(), [])
@@ -889,13 +886,13 @@ class RealPages(InBrowser):
             self.press("Begin")
             self.wait_for(kind, "main p[role=status]", seconds=30)
             study = self.browser.current_url.split("/")[-1]
-            self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=20)
+            self.client.ask("CancelStudy", id=study)
 
     def test_a_former_job_is_marked_taken_up_fetched_and_deleted(self):
         with open(os.path.join(CASES, "start-2d-thickness.toml"), encoding="utf-8") as file:
-            read = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read(), changes=[
-                job_pb2.CaseChange(key="quality", value="draft"),
-                job_pb2.CaseChange(key="time.end", value="20 s")]), timeout=20)
+            read = self.client.ask("ReadCase", text=file.read(),
+                                   changes=[job_pb2.CaseChange(key="quality", value="draft"),
+                                            job_pb2.CaseChange(key="time.end", value="20 s")])
         job = self.client.submit(read.case).id
         self.client.until_state(job, job_pb2.SUCCEEDED, seconds=60)
         self.go(f"job/{job}")

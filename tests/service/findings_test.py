@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2
 from support import BIN, ServiceTest, fake_case, main
 
 SCRIPT = "steps=60 checkpoint=7 sleep_ms=20 finding_at=10"
@@ -67,9 +67,9 @@ class Findings(ServiceTest):
     def test_with_the_first_page_of_a_history_and_in_lists(self):
         job_id = self.job_past_its_finding()
         found = self.told_once(job_id)
-        pages = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job_id, page_size=10))
+        pages = self.client.ask("QueryResult", id=job_id, page_size=10)
         self.assertEqual(list(pages.findings), [found])
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest())
+        listed = self.client.ask("ListJobs")
         self.assertEqual(list(listed.jobs[0].findings), [found])
 
     def test_every_command_says_it(self):

@@ -5,7 +5,7 @@ import random
 import signal
 import subprocess
 
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2
 from follow_test import FollowTest, table
 from real_run_test import physics
 from support import BIN, main
@@ -67,7 +67,7 @@ class Kills(FollowTest):
         return self.dccast("follow", "--job", job_id, "--readings", path, "--growing")
 
     def jobs(self):
-        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
+        return self.client.ask("ListJobs").jobs
 
     def newest_job(self):
         return self.jobs()[0].id
@@ -104,7 +104,7 @@ class HalfADay(FollowTest):
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
     def bytes_of_newest_job(self):
-        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(page_size=1), timeout=10).jobs[0]
+        job = self.client.ask("ListJobs", page_size=1).jobs[0]
         self.assertEqual(job.state, job_pb2.SUCCEEDED)
         folder = os.path.join(self.folder, "data", "jobs", job.id)
         return sum(os.path.getsize(os.path.join(folder, name)) for name in os.listdir(folder))

@@ -12,7 +12,7 @@ import time
 import grpc
 import numpy
 
-from dccast.v1 import case_pb2, follow_pb2, job_pb2, line_pb2, service_pb2, study_pb2
+from dccast.v1 import case_pb2, follow_pb2, job_pb2, study_pb2
 from real_run_test import RealRunTest, physics
 from support import BIN, main
 from waiting import WAIT_FACTOR, stays, until
@@ -55,7 +55,7 @@ class FollowTest(RealRunTest):
         """A job that follows readings, without any so far."""
         with open(CASE, encoding="utf-8") as file:
             text = file.read().replace('\nend = "145 s"', f'\nend = "{end} s"')
-        answer = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=text), timeout=20)
+        answer = self.client.ask("ReadCase", text=text)
         answer.case.quality = case_pb2.DRAFT
         return self.client.submit(answer.case, following=follow_pb2.Following(**following)).id
 
@@ -65,8 +65,7 @@ class FollowTest(RealRunTest):
         return job_id
 
     def append(self, job_id, *added):
-        return self.client.stub.AppendReadings(
-            follow_pb2.AppendReadingsRequest(id=job_id, readings=added), timeout=20)
+        return self.client.ask("AppendReadings", id=job_id, readings=added)
 
     def steps_at_end(self, job_id):
         return self.finished_steps(job_id)[1]
@@ -83,10 +82,10 @@ class FollowTest(RealRunTest):
         return out, err
 
     def forecast(self, job_id):
-        return self.client.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job_id), timeout=30)
+        return self.client.ask("ForecastJob", id=job_id)
 
     def studies(self):
-        return self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies
+        return self.client.ask("ListStudies").studies
 
     def ensemble(self):
         """A study of 31 runs of the plan with other data, the fewest that its 28 data permit."""
@@ -235,7 +234,7 @@ class Record(FollowTest):
         self.daemon.kill_with_workers()
         self.restart()
         self.client.until_state(job_id, job_pb2.RUNNING)
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].casting
+        listed = self.client.ask("ListJobs").jobs[0].casting
         self.assertEqual(listed.measured, measured)
         self.assertLess(abs(listed.age_s - (time.time() - begin)), 1.0)
 
@@ -245,8 +244,7 @@ class Record(FollowTest):
 
     def test_other_jobs_and_ended_ones_take_no_readings(self):
         with open(CASE, encoding="utf-8") as file:
-            case = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()),
-                                             timeout=20).case
+            case = self.client.ask("ReadCase", text=file.read()).case
         plain = self.client.submit(case).id
         error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.append, plain, *readings()[:1])
         self.assertIn("dccast follow", error.details())
@@ -262,17 +260,17 @@ class Record(FollowTest):
         job_id = self.follow()
         self.append(job_id, *readings(end=-30))
         self.until_time(job_id, -35)
-        self.client.stub.PauseJob(service_pb2.PauseJobRequest(id=job_id), timeout=10)
+        self.client.ask("PauseJob", id=job_id)
         self.client.until_state(job_id, job_pb2.PAUSED)
         self.append(job_id, *readings(begin=-29, first=32))
-        self.client.stub.ResumeJob(service_pb2.ResumeJobRequest(id=job_id), timeout=10)
+        self.client.ask("ResumeJob", id=job_id)
         self.steps_at_end(job_id)
 
         waiting = self.follow()
         self.client.until_state(waiting, job_pb2.RUNNING)
         self.client.cancel(waiting)
         self.client.until_state(waiting, job_pb2.CANCELLED)
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=waiting), timeout=10)
+        self.client.ask("DeleteJob", id=waiting)
 
 
 class Kills(FollowTest):
@@ -358,7 +356,7 @@ class Forecast(FollowTest):
         self.assertEqual(run.priority, job_pb2.HIGH)
         self.client.until_state(run.id, job_pb2.SUCCEEDED)
 
-        steps = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=run.id), timeout=30).steps
+        steps = self.client.ask("QueryResult", id=run.id).steps
         last = max(step.time_s for step in steps)
         computed = numpy.array([(step.time_s, step.monitors[0].curl_m) for step in steps]).T
         whole = self.forecast(followed.id)
@@ -375,7 +373,7 @@ class Forecast(FollowTest):
 
         # The next casting of this plan finds the run again.
         self.ended(self.dccast(*words))
-        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
+        jobs = self.client.ask("ListJobs").jobs
         self.assertEqual(len(jobs), 3)
 
     def test_levers_that_left_the_plan_act_in_the_forecast(self):
@@ -400,7 +398,7 @@ class Forecast(FollowTest):
         self.assertGreater(width(with_run), width(without))
 
     def run_of_plan_and_job(self):
-        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
+        jobs = self.client.ask("ListJobs").jobs
         is_run = lambda job: any(label.startswith("plan=") for label in job.labels)
         return (next(job for job in jobs if is_run(job)),
                 next(job for job in jobs if not is_run(job)))
@@ -444,7 +442,7 @@ class Preparation(FollowTest):
         process = self.dccast("follow", self.case_file(end=4), "--readings", self.table_of_curls(),
                               "--set", "quality=draft", *words)
         _, err = self.ended(process)
-        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id, err
+        return self.client.ask("ListJobs").jobs[0].id, err
 
     def test_a_prepared_plan_is_found_again_by_its_case(self):
         plan = self.case_file(end=4)
@@ -457,8 +455,7 @@ class Preparation(FollowTest):
         self.assertEqual((ensemble.runs, pairs.runs, levers.runs), (64, 16, 104))
         request = study_pb2.EvaluateStudyRequest(id=pairs.id)
         self.assertEqual(self.client.stub.EvaluateStudy(request, timeout=30).runs[0].values,
-                         self.client.stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(
-                             id=ensemble.id), timeout=30).runs[0].values)
+                         self.client.ask("EvaluateStudy", id=ensemble.id).runs[0].values)
         self.ended(self.dccast("follow", "--prepare", plan, "--set", "quality=fine",
                                "--set", "title=pit 3"))
         self.assertEqual(len(self.studies()), 3, "quality and title of the case do not count")
@@ -485,14 +482,13 @@ class Advice(FollowTest):
 
     def case(self):
         with open(self.case_file(self.END), encoding="utf-8") as file:
-            return self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=20).case
+            return self.client.ask("ReadCase", text=file.read()).case
 
     def levers(self):
-        created = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            request_id="levers", case=self.case(), levers=study_pb2.LeversPlan()), timeout=20)
+        created = self.client.ask("CreateStudy", request_id="levers", case=self.case(),
+                                  levers=study_pb2.LeversPlan())
         until(lambda: all(s.state != study_pb2.STUDY_RUNNING for s in self.studies()), 180)
-        return self.client.stub.EvaluateStudy(
-            study_pb2.EvaluateStudyRequest(id=created.id, curves=True), timeout=30)
+        return self.client.ask("EvaluateStudy", id=created.id, curves=True)
 
     def test_levers_are_compared_with_the_plan_at_equal_cast_length(self):
         study = self.levers()
@@ -574,7 +570,7 @@ class Line(FollowTest):
         return job_id
 
     def line(self, name="pit-3"):
-        return self.client.stub.GetLine(line_pb2.GetLineRequest(id=name), timeout=30)
+        return self.client.ask("GetLine", id=name)
 
     def test_castings_make_the_forecast_before_the_next_one_better(self):
         first = self.forecast(self.on_line()).curls[0]
@@ -620,7 +616,7 @@ class Line(FollowTest):
         told = self.cast()
         self.line()  # the first one has told its curl
         for job_id in (told, self.cast()):
-            self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job_id), timeout=10)
+            self.client.ask("DeleteJob", id=job_id)
         self.assertEqual([len(c.curls) for c in self.line().castings], [1, 1])
         self.assertEqual(self.forecast(self.on_line()).curls[0].line.castings, 2)
 
@@ -684,7 +680,7 @@ class Plant(FollowTest):
         self.assertRegex(said, r"forecast at \d+ s: corner .* mm at the end")
 
     def newest_job(self):
-        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+        return self.client.ask("ListJobs").jobs[0].id
 
 
 class Replay(FollowTest):
@@ -717,7 +713,7 @@ class Replay(FollowTest):
         self.ended(follower)
         self.assertEqual(plant.wait(10), 0)
         plant.stderr.close()
-        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+        job = self.client.ask("ListJobs").jobs[0]
         self.assertAlmostEqual(job.last_step.time_s, END)
 
     def test_a_file_that_is_no_record_is_refused(self):
@@ -782,7 +778,7 @@ class Client(FollowTest):
         _, err = self.ended(process, code=2, input="ts, v\n1, 2\n")
         self.assertIn("plc.toml:2:", err)
         self.assertIn("cannot be converted to m/s", err)
-        self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
+        self.assertFalse(self.client.ask("ListJobs").jobs)
 
     def test_the_client_bridges_bad_lines_and_says_so(self):
         lines = table().splitlines()
@@ -906,7 +902,7 @@ class Client(FollowTest):
             file.write(table())
         _, err = self.ended(self.dccast("follow", self.case_file(), "--readings", utf16), code=2)
         self.assertIn("UTF-16", err)
-        self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
+        self.assertFalse(self.client.ask("ListJobs").jobs)
 
     def test_a_broken_sensor_costs_its_own_values_and_is_named_once(self):
         lines = table().splitlines()
@@ -924,7 +920,7 @@ class Client(FollowTest):
         self.assertIn("line 31: \"NaN\" of metal [degC] is no number and left out", err)
         self.assertIn("water_flow_m2_per_s: 30 values were left out", err)
         self.assertEqual(err.count("permitted: 0 to 0.1 m2/s"), 1, err)
-        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+        job = self.client.ask("ListJobs").jobs[0]
         self.assertAlmostEqual(job.last_step.time_s, END)
 
     def test_a_casting_of_which_nothing_was_measured_is_no_success(self):
@@ -964,8 +960,8 @@ class Client(FollowTest):
         client = self.dccast("follow", self.case_file(), "--set", "quality=draft", stdin=subprocess.PIPE,
                              env=os.environ | state)
         self.write(client, lines)
-        until(lambda: self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs, 30)
-        job_id = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+        until(lambda: self.client.ask("ListJobs").jobs, 30)
+        job_id = self.client.ask("ListJobs").jobs[0].id
         until(lambda: self.append(job_id).number >= len(lines) - 1, 20)
         until(lambda: not os.path.exists(self.kept_file(job_id))
               or os.path.getsize(self.kept_file(job_id)) == 0, 10)
@@ -1083,7 +1079,7 @@ class Client(FollowTest):
             client = self.dccast("follow", self.case_file(end=145), "--set", "quality=draft", "--readings", path,
                                  "--growing", "--notify", f"echo $DCCAST_ALARM >> {told}")
             until(lambda: word in self.text_of(told), 30)
-            job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+            job = self.client.ask("ListJobs").jobs[0]
             self.assertEqual(len(job.casting.alarms), 1)
             client.send_signal(signal.SIGINT)
             _, err = self.ended(client, code=130)

@@ -10,7 +10,6 @@ import resource
 import sys
 import threading
 import time
-import unittest
 
 import grpc
 
@@ -59,7 +58,7 @@ class Load(ServiceTest):
     settings = {"workers__count": 1, "workers__stop_grace": "1 s"}
 
     def info(self):
-        return self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=60)
+        return self.client.ask("GetServerInfo")
 
     def occupy(self):
         """A job that keeps the only worker busy, so that others stay queued."""

@@ -12,7 +12,6 @@ import tempfile
 import unittest
 import unittest.mock
 
-from dccast.v1 import service_pb2
 from support import BIN, Daemon, ServiceTest, connected, fake_case, main
 
 CASE_TITLE = "steps=1"
@@ -125,11 +124,11 @@ class NoNetlink(ServiceTest):
     before_exec = staticmethod(without_netlink)
 
     def test_no_netlink_socket_is_opened(self):
-        who = self.client.stub.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        who = self.client.ask("WhoAmI")
         self.assertEqual(who.name, pwd.getpwuid(os.getuid()).pw_name)
         with connected(self.daemon.tls_address):
             pass
-        self.client.stub.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        self.client.ask("WhoAmI")
         self.assertTrue(self.daemon.running())
 
 

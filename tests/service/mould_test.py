@@ -29,9 +29,8 @@ def slab_case(title):
 class Mould(StudyTest):
     def design(self, title="steps=3 mould=70", request_id="", **plan):
         plan = {"tolerance_m": 0.5e-3, **plan}
-        return self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            request_id=request_id, case=slab_case(title), mould=study_pb2.MouldPlan(**plan)),
-            timeout=30)
+        return self.client.ask("CreateStudy", request_id=request_id, case=slab_case(title),
+                               mould=study_pb2.MouldPlan(**plan))
 
     def opening(self, run):
         curve = self.client.pages(run.job)[0].case.section.half_thickness_m
@@ -64,7 +63,7 @@ class Mould(StudyTest):
 
     def test_a_watcher_sees_one_study_to_its_end(self):
         study = self.design("steps=10 sleep_ms=10 mould=70")
-        seen = list(self.client.stub.WatchStudy(study_pb2.WatchStudyRequest(id=study.id), timeout=60))
+        seen = list(self.client.ask("WatchStudy", id=study.id))
         self.assertEqual({message.state for message in seen[:-1]}, {study_pb2.STUDY_RUNNING})
         self.assertEqual(seen[-1].state, study_pb2.STUDY_SUCCEEDED)
 
@@ -119,10 +118,8 @@ class Mould(StudyTest):
                               (lambda c: setattr(c.mesh, "growth", False), "mesh.growth")):
             case = slab_case("steps=2")
             change(case)
-            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.CreateStudy,
-                                 study_pb2.CreateStudyRequest(
-                                     case=case, mould=study_pb2.MouldPlan(tolerance_m=1e-3)),
-                                 timeout=20)
+            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.ask, "CreateStudy",
+                case=case, mould=study_pb2.MouldPlan(tolerance_m=1e-3))
             self.assertIn(field, error.details())
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.design, tolerance_m=0.0)
         self.assertIn("mould.tolerance", error.details())

@@ -7,7 +7,7 @@ import subprocess
 
 import numpy
 
-from dccast.v1 import service_pb2, study_pb2
+from dccast.v1 import study_pb2
 from certificates import TestCa
 from follow_test import END, FollowTest, levers, table
 from mqtt_client import MqttClient
@@ -112,7 +112,7 @@ class MqttTest(FollowTest):
         self.assertEqual(process.wait(timeout=60 * WAIT_FACTOR), code, self.said())
 
     def newest_job(self):
-        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+        return self.client.ask("ListJobs").jobs[0].id
 
 
 class Readings(MqttTest):
@@ -162,7 +162,7 @@ class Readings(MqttTest):
         self.broker.stop()
         self.ends(self.start("--broker", self.login()), code=4)
         self.assertIn("does not answer: Connection refused", self.said())
-        self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
+        self.assertFalse(self.client.ask("ListJobs").jobs)
 
 
 class Tls(MqttTest):

@@ -213,7 +213,7 @@ class Output(Commands):
         for reason, cause in (("wrong alloy", "cancelled: wrong alloy"), ("", "cancelled by request")):
             job = self.client.submit(fake_case("steps=100000 sleep_ms=5"))
             self.client.until_step(job.id, 3)
-            self.client.stub.CancelJob(service_pb2.CancelJobRequest(id=job.id, reason=reason))
+            self.client.ask("CancelJob", id=job.id, reason=reason)
             self.dccast("wait", job.id, code=3)
             self.assertRegex(self.dccast("show", job.id).stdout, f"cause +{cause}\n")
             self.assertEqual(json.loads(self.dccast("show", "--json", job.id).stdout)["cause"], cause)

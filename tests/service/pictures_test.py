@@ -13,11 +13,10 @@ import dccast
 import matplotlib
 import numpy as np
 import PIL.Image
-from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from dashboard_test import CASES, InBrowser
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2
 from support import BIN, main
 from wall_test import Wall
 from waiting import until
@@ -202,7 +201,7 @@ class Following(Wall, Camera):
             lines.append(f"{t}, {40 if t > 0 else 0}, 90, 680, {curl_mm:.2f}")
         following.stdin.write("\n".join(lines) + "\n")
         following.stdin.flush()
-        jobs = lambda: self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=20).jobs
+        jobs = lambda: self.client.ask("ListJobs").jobs
         until(lambda: any(job.HasField("casting") and job.last_step.time_s >= 43 for job in jobs()), 60)
         self.browser.set_window_size(1200, 900)
         self.go("wall")

@@ -35,7 +35,7 @@ class QueryTest(ServiceTest):
         return self.client.stub.QueryButtCurl(question(*arguments, **rest), timeout=timeout)
 
     def jobs(self, **filters):
-        return list(self.client.stub.ListJobs(service_pb2.ListJobsRequest(**filters)).jobs)
+        return list(self.client.ask("ListJobs", **filters).jobs)
 
     def query_processes(self):
         """Those that compute a query now."""
@@ -89,7 +89,7 @@ class Queries(QueryTest):
         self.assertEqual(accepted.job, job.id)
         self.assertEqual(curve(steps), curve(self.client.steps(job.id)))
         self.assertEqual(ended.state, job_pb2.SUCCEEDED)
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+        self.client.ask("DeleteJob", id=job.id)
         accepted, _, _ = parts(self.ask("steps=10", columns=11))
         self.assertFalse(accepted.from_store)
 

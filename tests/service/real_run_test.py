@@ -10,7 +10,7 @@ import grpc
 import h5py
 import numpy
 
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2
 from support import BIN, ServiceTest, main
 from waiting import WAIT_FACTOR
 
@@ -118,8 +118,7 @@ class RealRun(RealRunTest):
         self.assertEqual(hashlib.sha256(content).hexdigest(), artifact.sha256)
         self.assertEqual(content[:8], b"\x89HDF\r\n\x1a\n")
 
-        frame = self.client.stub.QueryResult(
-            service_pb2.QueryResultRequest(id=job_id, frame=True), timeout=20).frame
+        frame = self.client.ask("QueryResult", id=job_id, frame=True).frame
         self.assertAlmostEqual(frame.time_s, 145)
 
         nodes = len(frame.temperature_c)
@@ -154,8 +153,7 @@ class RealRun(RealRunTest):
         self.assertEqual(contents[0], contents[1])
 
     def page(self, job_id, number, **rest):
-        return self.client.stub.QueryResult(service_pb2.QueryResultRequest(
-            id=job_id, frame=True, frame_number=number, **rest), timeout=60)
+        return self.client.ask("QueryResult", id=job_id, frame=True, frame_number=number, **rest)
 
     def test_every_stored_frame_can_be_asked_for(self):
         job_id = self.submit_case("quality=draft")

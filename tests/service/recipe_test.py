@@ -8,7 +8,7 @@ import signal
 import subprocess
 
 from data_study import DataStudyCase
-from dccast.v1 import job_pb2, service_pb2, study_pb2
+from dccast.v1 import job_pb2, study_pb2
 from support import BIN, main
 from waiting import until
 
@@ -33,7 +33,7 @@ class Recipe(DataStudyCase):
         return ended.stdout if code == 0 else ended.stderr
 
     def study(self, study):
-        return self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10)
+        return self.client.ask("GetStudy", id=study)
 
     def test_from_drafts_to_the_chosen_case(self):
         path = self.case_file()
@@ -67,13 +67,11 @@ class Recipe(DataStudyCase):
         """Steps are finest after the events of a start, and the error bars are those of such steps."""
         study = self.design(self.case_file(), "--no-wait").strip()
         until(lambda: self.study(study).succeeded >= 8, 120)
-        self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=30)
-        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(
-            study=study, states=[job_pb2.SUCCEEDED]), timeout=10).jobs
+        self.client.ask("CancelStudy", id=study)
+        jobs = self.client.ask("ListJobs", study=study, states=[job_pb2.SUCCEEDED]).jobs
         begins = {}
         for job in jobs:
-            case = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job.id),
-                                                timeout=30).case
+            case = self.client.ask("QueryResult", id=job.id).case
             begins[case.schedule.hold_s] = case.time.step_s.at[0]
         self.assertGreater(len(begins), 4)
         for hold_s, begin_s in begins.items():
@@ -82,8 +80,7 @@ class Recipe(DataStudyCase):
     def test_the_daemon_is_killed_and_the_front_is_the_same(self):
         path = self.case_file()
         expected = json.loads(self.design(path, "--json"))["recipe"]
-        self.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(
-            id=json.loads(self.design(path, "--json"))["study"]["id"]), timeout=30)
+        self.client.ask("DeleteStudy", id=json.loads(self.design(path, "--json"))["study"]["id"])
         study = self.design(path, "--no-wait").strip()
         for ended in (4, 21):  # among the drafts, and among the castings of candidates
             until(lambda: self.study(study).succeeded >= ended, 120)
@@ -116,9 +113,8 @@ class Recipe(DataStudyCase):
         path = self.case_file()
         study = self.design(path, "--no-wait").strip()
         until(lambda: self.study(study).running > 0, 60)
-        running = self.client.stub.ListJobs(service_pb2.ListJobsRequest(
-            study=study, states=[job_pb2.RUNNING, job_pb2.QUEUED]), timeout=10).jobs
-        self.client.stub.CancelJob(service_pb2.CancelJobRequest(id=running[0].id), timeout=10)
+        running = self.client.ask("ListJobs", study=study, states=[job_pb2.RUNNING, job_pb2.QUEUED]).jobs
+        self.client.ask("CancelJob", id=running[0].id)
         until(lambda: self.study(study).state == study_pb2.STUDY_CANCELLED, 120)
         self.assertEqual(self.study(study).runs, 18)
         answer = json.loads(self.design(path, "--json"))

@@ -88,12 +88,12 @@ class RealWorker(ServiceTest):
         case.mesh.file = "slab.msh"
         mesh = ("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"bott\u00e9m\"\n"
                 "$EndPhysicalNames\n").encode("latin-1")
-        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
-            case=case, attachments=[self.client.upload("slab.msh", mesh)]), timeout=10)
+        checked = self.client.ask("ValidateCase", case=case,
+                                  attachments=[self.client.upload("slab.msh", mesh)])
         self.assertTrue(checked.faults)
         broken = b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$bott\xe9m\n"
-        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
-            case=case, attachments=[self.client.upload("slab.msh", broken)]), timeout=10)
+        checked = self.client.ask("ValidateCase", case=case,
+                                  attachments=[self.client.upload("slab.msh", broken)])
         self.assertTrue(checked.faults)
 
     def test_a_file_that_ends_its_worker_costs_one_answer(self):
@@ -104,7 +104,7 @@ class RealWorker(ServiceTest):
         error = self.refused(grpc.StatusCode.INTERNAL, self.client.submit, case,
                              attachments=[attachment])
         self.assertIn("dccast-worker ended with signal 11", error.details())
-        self.assertEqual(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[:], [])
+        self.assertEqual(self.client.ask("ListJobs").jobs[:], [])
         self.client.submit(fake_case("steps=1"))
 
 
@@ -157,7 +157,7 @@ class Checks(ServiceTest):
     def test_more_checks_than_may_wait(self):
         checks = [self.validate("check_ms=1500") for _ in range(6)]
         begin = time.monotonic()
-        self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=5)
+        self.client.ask("GetServerInfo")
         self.assertLess(time.monotonic() - begin, 1.0)
         errors = [check.exception() for check in checks]
         refused = [error for error in errors if error is not None]
@@ -216,7 +216,7 @@ class OldStore(ServiceTest):
                     file.write(b"\xff" * 64)
         self.restart()
         self.assertIn("built again from the folders", self.daemon.said())
-        answer = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job_id), timeout=10)
+        answer = self.client.ask("QueryResult", id=job_id)
         self.assertEqual(answer.case.monitor[0].name, "corner")
 
 

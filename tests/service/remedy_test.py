@@ -74,8 +74,8 @@ class Remedy(Client, ServiceTest):
         self.assertIn("has no finding that a lever of the plant influences",
                       self.dccast("remedy", sound, code=6))
         with self.assertRaises(grpc.RpcError) as refused:
-            self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-                remedy=study_pb2.RemedyPlan(job="00000000-0000-4000-8000-000000000000")), timeout=10)
+            self.client.ask("CreateStudy",
+                            remedy=study_pb2.RemedyPlan(job="00000000-0000-4000-8000-000000000000"))
         self.assertEqual(refused.exception.code(), grpc.StatusCode.NOT_FOUND)
 
 

@@ -158,8 +158,7 @@ class FollowedCasting(Wall, Page):
         self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
         self.ended(self.dccast("report", job_id, "-o", os.path.join(self.folder, "report.html")))
         self.drawn("report.html")
-        return self.client.stub.CompareRuns(judgement_pb2.CompareRunsRequest(
-            runs=[judgement_pb2.ComparedRun(job=job_id)]), timeout=30).judgement
+        return self.client.ask("CompareRuns", runs=[judgement_pb2.ComparedRun(job=job_id)]).judgement
 
     def test_measured_against_forecast(self):
         job_id = self.follow_on_line()

@@ -12,7 +12,7 @@ import time
 import unittest
 
 import support
-from dccast.v1 import job_pb2, service_pb2, study_pb2
+from dccast.v1 import job_pb2, study_pb2
 from real_run_test import RealRunTest, physics
 from slurm_cluster import Cluster, missing_programs
 from support import ServiceTest, curve, fake_case, start_ticks
@@ -155,8 +155,7 @@ class OneJob(SlurmTest):
 
     def test_a_query_does_not_wait_for_slurm(self):
         cluster.run("scontrol", "update", f"NodeName={cluster.host}", "State=DRAIN", "Reason=test")
-        answers = list(self.client.stub.QueryButtCurl(
-            service_pb2.QueryButtCurlRequest(case=fake_case("steps=20")), timeout=60))
+        answers = list(self.client.ask("QueryButtCurl", case=fake_case("steps=20")))
         self.assertTrue(answers)
         cluster.resume_node()
 
@@ -253,13 +252,12 @@ class Nightly(SlurmTest):
         chance = random.Random(7)
         plan = study_pb2.SweepPlan(design=study_pb2.SweepPlan.GRID)
         plan.axes.add(key="time.end", values=[f"{100 + i} s" for i in range(50)])
-        study = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            case=fake_case("steps=40 checkpoint=5 sleep_ms=20"), sweep=plan), timeout=60)
+        study = self.client.ask("CreateStudy", case=fake_case("steps=40 checkpoint=5 sleep_ms=20"),
+                                sweep=plan)
         kills = 0
         end = time.monotonic() + 600
         while time.monotonic() < end:
-            jobs = list(self.client.stub.ListJobs(service_pb2.ListJobsRequest(
-                study=study.id, page_size=1000), timeout=20).jobs)
+            jobs = list(self.client.ask("ListJobs", study=study.id, page_size=1000).jobs)
             if len(jobs) == 50 and all(job.state in support.TERMINAL for job in jobs):
                 break
             pause(chance, 3, 0.5)

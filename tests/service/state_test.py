@@ -57,7 +57,7 @@ class StateTest(ServiceTest):
         self.client.until_state(done.id, SUCCEEDED)
         paused = self.client.submit(fake_case("steps=2000 sleep_ms=5 checkpoint=5"))
         self.client.until_step(paused.id, 7)
-        self.client.stub.PauseJob(service_pb2.PauseJobRequest(id=paused.id))
+        self.client.ask("PauseJob", id=paused.id)
         self.client.until_state(paused.id, PAUSED)
         running = self.client.submit(fake_case("steps=60 sleep_ms=20 checkpoint=7"))
         self.client.until_step(running.id, 9)
@@ -77,7 +77,7 @@ class StateTest(ServiceTest):
             self.assertEqual(events[-1].state_change.state, state)
             if state == SUCCEEDED:
                 self.assertTrue(self.client.fetch(job_id))
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(page_size=100)).jobs
+        listed = self.client.ask("ListJobs", page_size=100).jobs
         self.assertEqual({job.id for job in listed}, set(expected))
 
 
@@ -192,8 +192,8 @@ class OtherFormat(StateTest):
         self.client.until_state(self.client.submit(fake_case("steps=2")).id, SUCCEEDED)
 
     def test_of_a_study(self):
-        study = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            **{"case": fake_case("steps=2"), "refinement": study_pb2.RefinementPlan(levels=2)}), timeout=10)
+        study = self.client.ask("CreateStudy",
+                                case=fake_case("steps=2"), refinement=study_pb2.RefinementPlan(levels=2))
         self.daemon.terminate()
         file = os.path.join(self.data, "studies", f"{study.id}.bin")
         self.other(file)
@@ -293,7 +293,7 @@ class Folders(StateTest):
         self.restart()
         self.assertEqual(list(self.client.watch(kept.id))[-1].state_change.state, SUCCEEDED)
 
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=gone.id))
+        self.client.ask("DeleteJob", id=gone.id)
         self.daemon.terminate()
         self.assertEqual(self.command("check")[0], 0)
 

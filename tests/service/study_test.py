@@ -10,7 +10,7 @@ import subprocess
 
 import h5py
 
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2
 from support import BIN, ServiceTest, main
 from waiting import WAIT_FACTOR, until
 
@@ -102,8 +102,7 @@ class RefinementStudy(ServiceTest):
         client.stderr.close()
 
     def jobs_of(self, study):
-        return list(self.client.stub.ListJobs(
-            service_pb2.ListJobsRequest(study=study), timeout=10).jobs)
+        return list(self.client.ask("ListJobs", study=study).jobs)
 
     def curve(self, job_id, monitor):
         steps = self.client.steps(job_id)
@@ -266,7 +265,7 @@ class RefinementStudy(ServiceTest):
         self.assertIn("limits.maximum_nodes = 500", ended.stderr)
         self.assertIn("--levels 2", ended.stderr)
         self.assertEqual(ended.stdout, "")
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
+        listed = self.client.ask("ListJobs")
         self.assertEqual(len(listed.jobs), 0)
         found, _ = self.study("--levels", "2", path)
         self.assertEqual(len(found["runs"]), 2)

@@ -15,7 +15,7 @@ import grpc
 import h5py
 import numpy
 
-from dccast.v1 import job_pb2, service_pb2, study_pb2
+from dccast.v1 import job_pb2, study_pb2
 from support import BIN, TERMINAL, ServiceTest, fake_case, main
 from waiting import stays, until
 
@@ -33,33 +33,30 @@ def sweep_of(axes, design=study_pb2.SweepPlan.GRID, **rest):
 
 class StudyTest(ServiceTest):
     def create(self, case, axes, request_id="", **rest):
-        return self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            request_id=request_id, case=case, sweep=sweep_of(axes), **rest), timeout=30)
+        return self.client.ask("CreateStudy", request_id=request_id, case=case, sweep=sweep_of(axes),
+                               **rest)
 
     def study(self, study):
-        return self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10)
+        return self.client.ask("GetStudy", id=study)
 
     def until_ended(self, study, seconds=60):
         until(lambda: self.study(study).state in ENDED, seconds)
         return self.study(study)
 
     def evaluate(self, study, curves=False):
-        return self.client.stub.EvaluateStudy(
-            study_pb2.EvaluateStudyRequest(id=study, curves=curves), timeout=30)
+        return self.client.ask("EvaluateStudy", id=study, curves=curves)
 
     def jobs_of(self, study):
-        return list(self.client.stub.ListJobs(
-            service_pb2.ListJobsRequest(study=study, page_size=1000), timeout=10).jobs)
+        return list(self.client.ask("ListJobs", study=study, page_size=1000).jobs)
 
     def cancel(self, study):
-        return self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=20)
+        return self.client.ask("CancelStudy", id=study)
 
     def resume(self, study, failed=False):
-        return self.client.stub.ResumeStudy(
-            study_pb2.ResumeStudyRequest(id=study, failed=failed), timeout=20)
+        return self.client.ask("ResumeStudy", id=study, failed=failed)
 
     def delete(self, study):
-        return self.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(id=study), timeout=60)
+        return self.client.ask("DeleteStudy", id=study)
 
 
 class Sweep(StudyTest):
@@ -115,7 +112,7 @@ class Sweep(StudyTest):
 
     def test_a_watcher_sees_the_study_to_its_end(self):
         study = self.create(fake_case("steps=20 sleep_ms=10"), {"mesh.rows": range(1, 7)})
-        seen = list(self.client.stub.WatchStudy(study_pb2.WatchStudyRequest(id=study.id), timeout=60))
+        seen = list(self.client.ask("WatchStudy", id=study.id))
         self.assertGreater(len(seen), 2)
         self.assertEqual({message.state for message in seen[:-1]}, {study_pb2.STUDY_RUNNING})
         self.assertEqual(seen[-1].state, study_pb2.STUDY_SUCCEEDED)
@@ -123,8 +120,7 @@ class Sweep(StudyTest):
         self.assertTrue(seen[-1].HasField("end_time"))
         done = [message.succeeded for message in seen]
         self.assertEqual(done, sorted(done))
-        self.assertEqual(list(self.client.stub.WatchStudy(
-            study_pb2.WatchStudyRequest(id=study.id), timeout=10)), seen[-1:])
+        self.assertEqual(list(self.client.ask("WatchStudy", id=study.id)), seen[-1:])
 
     def test_what_is_refused(self):
         case = fake_case("steps=2")
@@ -140,17 +136,13 @@ class Sweep(StudyTest):
                              {"title": ["steps=1", "check=fault"]})
         self.assertIn("run 2 (title = check=fault): ", error.details())
 
-        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.CreateStudy,
-                     study_pb2.CreateStudyRequest(case=case), timeout=10)
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.ask, "CreateStudy", case=case)
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.study, "mine")
         for call in (self.study, self.evaluate, self.cancel, self.resume, self.delete):
             self.refused(grpc.StatusCode.NOT_FOUND, call, UUID)
-        self.refused(grpc.StatusCode.NOT_FOUND, self.client.stub.WatchStudy,
-                     study_pb2.WatchStudyRequest(id=UUID), timeout=10)
-        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.ListStudies,
-                     study_pb2.ListStudiesRequest(page_token="x"), timeout=10)
-        self.assertEqual(len(self.client.stub.ListStudies(
-            study_pb2.ListStudiesRequest(), timeout=10).studies), 0)
+        self.refused(grpc.StatusCode.NOT_FOUND, self.client.ask, "WatchStudy", id=UUID)
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.ask, "ListStudies", page_token="x")
+        self.assertEqual(len(self.client.ask("ListStudies").studies), 0)
 
     def test_cancelled_resumed_deleted(self):
         study = self.create(fake_case("steps=40 sleep_ms=10"), {"mesh.rows": range(1, 31)})
@@ -207,7 +199,7 @@ class Sweep(StudyTest):
 
         def has_ended():
             nonlocal most_waiting
-            waiting = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+            waiting = self.client.ask("GetServerInfo")
             most_waiting = max(most_waiting, waiting.queued)
             return self.study(study.id).state != study_pb2.STUDY_RUNNING
         until(has_ended, 120, every_s=0.05)
@@ -217,16 +209,14 @@ class Sweep(StudyTest):
 
         print(f"\na job among 200 runs took {took:.2f} s; at most {most_waiting} runs waited")
         self.assertEqual(len({job.request_id for job in self.jobs_of(study.id)}), 200)
-        self.assertEqual([listed.id for listed in self.client.stub.ListStudies(
-            study_pb2.ListStudiesRequest(), timeout=10).studies], [study.id])
+        self.assertEqual([listed.id for listed in self.client.ask("ListStudies").studies], [study.id])
         self.assertEqual(len(self.evaluate(study.id).runs), 200)
 
     def test_studies_are_listed_in_pages(self):
         studies = [self.create(fake_case("steps=1"), {"mesh.rows": [row]}).id for row in range(1, 6)]
         listed, token = [], ""
         while True:
-            page = self.client.stub.ListStudies(
-                study_pb2.ListStudiesRequest(page_size=2, page_token=token), timeout=10)
+            page = self.client.ask("ListStudies", page_size=2, page_token=token)
             listed += [study.id for study in page.studies]
             token = page.next_page_token
             if not token:
@@ -235,7 +225,7 @@ class Sweep(StudyTest):
 
     def test_studies_are_listed_by_label_owner_and_the_beginning_of_an_id(self):
         def listed(**filters):
-            answer = self.client.stub.ListStudies(study_pb2.ListStudiesRequest(**filters), timeout=10)
+            answer = self.client.ask("ListStudies", **filters)
             return [study.id for study in answer.studies]
 
         both = self.create(fake_case("steps=1"), {"mesh.rows": [1]}, labels=["trial", "night shift"])
@@ -405,8 +395,7 @@ class Command(StudyTest):
         self.refused(grpc.StatusCode.NOT_FOUND, self.fetch, UUID)
 
     def fetch(self, study, offset=0, sha256=""):
-        return self.client.stub.FetchStudy(study_pb2.FetchStudyRequest(
-            id=study, offset=offset, sha256=sha256), timeout=60)
+        return self.client.ask("FetchStudy", id=study, offset=offset, sha256=sha256)
 
     def test_a_sweep_file(self):
         self.case_file("steps=2")
@@ -471,8 +460,7 @@ class Predicted(StudyTest):
 
     def predict(self, study, **values):
         changes = [job_pb2.CaseChange(key=key, value=value) for key, value in values.items()]
-        return self.client.stub.PredictStudy(
-            study_pb2.PredictStudyRequest(id=study, values=changes), timeout=60)
+        return self.client.ask("PredictStudy", id=study, values=changes)
 
     def test_a_surface_holds_for_runs_it_has_not_seen(self):
         path = self.coarse_case()

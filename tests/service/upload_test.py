@@ -69,11 +69,11 @@ class Uploads(ServiceTest):
         self.restart()
 
         def found():
-            return self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study.id), timeout=10)
+            return self.client.ask("GetStudy", id=study.id)
         until(lambda: found().state == study_pb2.STUDY_SUCCEEDED, 20)
         kept = os.path.join(self.folder, "data", "studies", study.id + ".attachments")
         self.assertEqual(os.listdir(kept), ["slab.msh"])
-        self.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(id=study.id), timeout=10)
+        self.client.ask("DeleteStudy", id=study.id)
         self.assertFalse(os.path.exists(kept))
 
     def test_the_command_line_uploads_a_file_once(self):
