@@ -50,6 +50,7 @@ v1::Table::Column number_column(const std::string& key, const std::string& headi
 /// A column of texts or codes, or of numbers that have their unit in the cell.
 v1::Table::Column text_column(const std::string& key, const std::string& heading);
 
+void add_columns(v1::Table& table, std::initializer_list<v1::Table::Column> columns);
 void add_row(v1::Table& table, std::initializer_list<v1::Cell> cells);
 
 v1::Table& add_table(v1::Judgement& judgement, const std::string& key, const std::string& heading,

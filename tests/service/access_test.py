@@ -296,10 +296,8 @@ class Owners(AccessTest):
         job = self.submit(self.local())
         until(lambda: self.local().GetJob(service_pb2.GetJobRequest(id=job.id),
                                           timeout=10).HasField("end_time"), 20)
-        done = subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "delete", job.id],
-            capture_output=True, text=True, timeout=30, check=False, user=NOBODY,
-            env={"HOME": "/nonexistent"})
+        done = subprocess.run(self.client_command("delete", job.id), capture_output=True, text=True,
+                              timeout=30, check=False, user=NOBODY, env={"HOME": "/nonexistent"})
         self.assertEqual(done.returncode, 5, done.stderr)
         self.assertIn("of root", done.stderr)
         self.local().DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
@@ -511,7 +509,7 @@ class LocalSocket(AccessTest):
         own = self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
         self.assertEqual((own.name, own.proof), (pwd.getpwuid(os.getuid()).pw_name, "local user"))
 
-        command = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "whoami"]
+        command = self.client_command("whoami")
         done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
         self.assertIn(own.name, done.stdout, done.stderr)
 

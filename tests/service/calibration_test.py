@@ -11,7 +11,7 @@ import subprocess
 import unittest
 
 from data_study import DataStudyCase
-from support import BIN, SANITIZED, main
+from support import SANITIZED, main
 from waiting import until
 
 FREE = ("--free", "schedule.casting_temperature=± 10 K",
@@ -114,9 +114,8 @@ class Calibration(DataStudyCase):
         measured = self.measured(path)
         words = ("calibrate", path, "--measured", measured, *FREE, "--runs", "12")
         study = self.dccast(*words, "--no-wait").strip()
-        client = subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                   "calibrate", "--study", study], stdout=subprocess.DEVNULL,
-                                  stderr=subprocess.PIPE, text=True)
+        client = subprocess.Popen(self.client_command("calibrate", "--study", study),
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         until(lambda: "of 12 runs" in client.stderr.readline(), 30)
         client.send_signal(signal.SIGKILL)
         client.wait()

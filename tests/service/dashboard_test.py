@@ -21,7 +21,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 import own_mesh_test
 from dccast.v1 import case_pb2, job_pb2
-from support import BIN, ServiceTest, fake_case, main
+from support import ServiceTest, fake_case, main
 from waiting import WAIT_FACTOR, stays, until
 
 CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
@@ -41,8 +41,7 @@ class Dashboard(ServiceTest):
         super().tearDown()
 
     def start_dashboard(self, port=None, options=(), environment=None):
-        words = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "dashboard",
-                 *self.files, *options]
+        words = self.client_command("dashboard", *self.files, *options)
         self.process = subprocess.Popen(words + (["--port", str(port)] if port else []),
                                         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                                         env={**os.environ, **(environment or {})})
@@ -576,12 +575,10 @@ class RealPages(InBrowser):
         self.assertEqual(self.complaints(), [])
 
     def test_a_study_shows_its_answer(self):
-        made = subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "uncertainty",
-             os.path.join(CASES, "start-2d-thickness.toml"), "--set", "time.end=20 s", "--only",
-             "alloy.conductivity", "--only", "cooling.water.temperature", "--runs", "10"],
-            capture_output=True, text=True, timeout=90, check=True)
-        self.go("study/" + re.search(r"study ([0-9a-f-]{36})", made.stdout)[1])
+        made = self.dccast("uncertainty", os.path.join(CASES, "start-2d-thickness.toml"), "--set",
+                           "time.end=20 s", "--only", "alloy.conductivity", "--only",
+                           "cooling.water.temperature", "--runs", "10")
+        self.go("study/" + re.search(r"study ([0-9a-f-]{36})", made)[1])
         self.wait_for("9 of 10 castings have", "#answer", seconds=30)
         self.assertIn("alone, %", self.text("#answer table"))
         self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "#answer figure svg")), 2)
@@ -603,10 +600,7 @@ class RealPages(InBrowser):
 
     def submit_case(self, name, *changes):
         words = [word for change in changes for word in ("--set", change)]
-        return subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "submit", *words,
-             os.path.join(CASES, name)], capture_output=True, text=True, timeout=60,
-            check=True).stdout.strip()
+        return self.dccast("submit", *words, os.path.join(CASES, name)).strip()
 
     def save_files_in(self, name):
         folder = os.path.join(self.folder, name)
@@ -629,11 +623,8 @@ class RealPages(InBrowser):
         return saved
 
     def test_a_study_with_too_few_runs_says_so_without_an_error(self):
-        subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "sweep",
-             os.path.join(CASES, "start-2d-thickness.toml"), "--set", "quality=draft", "--set",
-             "time.end=5 s", "--grid", "schedule.water_flow.scale=0.8,1.2"],
-            capture_output=True, text=True, timeout=90, check=True)
+        self.dccast("sweep", os.path.join(CASES, "start-2d-thickness.toml"), "--set", "quality=draft",
+                    "--set", "time.end=5 s", "--grid", "schedule.water_flow.scale=0.8,1.2")
         self.go("studies")
         self.wait_for("answered, 2 of 2 runs succeeded", seconds=40)
         self.find("a[href^='#/study/']").click()

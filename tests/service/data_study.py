@@ -1,9 +1,8 @@
 """What the tests of studies of data share: a small case with ranges, and the command line client."""
 import os
 import re
-import subprocess
 
-from support import BIN, ServiceTest
+from support import ServiceTest
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 
@@ -33,8 +32,3 @@ class DataStudyCase(ServiceTest):
             file.write(text)
         return path
 
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=200, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended.stdout if code == 0 else ended.stderr

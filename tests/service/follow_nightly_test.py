@@ -8,7 +8,7 @@ import subprocess
 from dccast.v1 import job_pb2
 from follow_test import FollowTest, table
 from real_run_test import physics
-from support import BIN, main
+from support import main
 from waiting import pause, until
 
 KILLS = 50
@@ -78,8 +78,8 @@ class HalfADay(FollowTest):
         path = os.path.join(self.folder, "readings.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write(table(end=CASTINGS_END))
-        words = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "follow",
-                 self.case_file(CASTINGS_END), "--set", "quality=draft", "--readings", path]
+        words = self.client_command("follow", self.case_file(CASTINGS_END), "--set", "quality=draft",
+                                    "--readings", path)
 
         castings = HALF_A_DAY // (CASTINGS_END + 60) + 1
         memory, disk, files = [], [], []

@@ -14,7 +14,7 @@ import numpy
 
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, study_pb2
 from real_run_test import RealRunTest, physics
-from support import BIN, main
+from support import main
 from waiting import WAIT_FACTOR, stays, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
@@ -47,9 +47,8 @@ def table(begin=-60, end=END):
 
 class FollowTest(RealRunTest):
     def dccast(self, *words, **rest):
-        return subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                 *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                text=True, **rest)
+        return subprocess.Popen(self.client_command(*words), stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True, **rest)
 
     def follow(self, end=END, **following):
         """A job that follows readings, without any so far."""
@@ -338,10 +337,8 @@ class Forecast(FollowTest):
         self.assertLess(abs(after.curl_m[-1] - end), 0.8 * width(after))
         self.assertLess(width(after), 0.8 * width(before))
 
-        shown = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                "forecast", job_id], capture_output=True, text=True, check=False)
-        self.assertEqual(shown.returncode, 0, shown.stderr)
-        self.assertIn("26 readings, 0 left out; 31 members", shown.stdout)
+        shown = self.run_dccast("forecast", job_id).stdout
+        self.assertIn("26 readings, 0 left out; 31 members", shown)
 
     def test_a_plan_that_is_not_prepared_is_forecast_by_its_run_and_the_last_difference(self):
         plan = self.case_file(end=20)
@@ -421,11 +418,8 @@ class Forecast(FollowTest):
         self.assertIn("without an ensemble", error.details())
 
     def study(self, seed, runs):
-        out = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                              "uncertainty", CASE, "--set", f"time.end={END} s", "--runs",
-                              str(runs), "--seed", str(seed), "--json"],
-                             capture_output=True, text=True, timeout=120 * WAIT_FACTOR, check=False)
-        self.assertEqual(out.returncode, 0, out.stderr)
+        self.run_dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", str(runs),
+                        "--seed", str(seed), "--json")
         return self.studies()[0].id
 
 

@@ -3,12 +3,11 @@
 kill -9, a cancellation, the loss of the store."""
 import json
 import os
-import subprocess
 
 import grpc
 
 from dccast.v1 import case_pb2, options_pb2, study_pb2
-from support import BIN, fake_case, main
+from support import fake_case, main
 from sweep_test import StudyTest
 from waiting import stays, until
 
@@ -124,19 +123,14 @@ class Mould(StudyTest):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.design, tolerance_m=0.0)
         self.assertIn("mould.tolerance", error.details())
 
-    def dccast(self, *words):
-        return subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                              capture_output=True, text=True, timeout=60, check=False)
-
     def test_the_command(self):
         study = self.design()
         self.until_ended(study.id)
-        shown = self.dccast("design-mould", "--study", study.id)
-        self.assertEqual(shown.returncode, 0, shown.stderr)
+        shown = self.run_dccast("design-mould", "--study", study.id)
         self.assertIn("A mould with half-openings of", shown.stdout)
         self.assertIn("flat within", shown.stdout)
 
-        as_json = json.loads(self.dccast("design-mould", "--study", study.id, "--json").stdout)
+        as_json = json.loads(self.dccast("design-mould", "--study", study.id, "--json"))
         self.assertTrue(as_json["mould"]["within_tolerance"])
         self.assertTrue(as_json["mould"]["is_steady"])
         self.assertEqual(as_json["mould"]["wanted_half_thickness_m"], WANTED)
@@ -145,17 +139,16 @@ class Mould(StudyTest):
         self.assertAlmostEqual(residuals[0], 0.07 * WANTED, places=9)
 
         page = os.path.join(self.folder, "mould.html")
-        self.assertEqual(self.dccast("design-mould", "--study", study.id, "--plot", page,
-                                     "--no-wait").returncode, 0)
+        self.run_dccast("design-mould", "--study", study.id, "--plot", page, "--no-wait")
 
         with open(page, encoding="utf-8") as file:
             text = file.read()
         self.assertEqual(text.count("data-kind='chart'"), 2)
-        self.assertIn("mould", self.dccast("studies").stdout)
-        self.assertIn("mould", self.dccast("studies", "show", study.id).stdout)
+        self.assertIn("mould", self.dccast("studies"))
+        self.assertIn("mould", self.dccast("studies", "show", study.id))
         self.assertIn("designs no mould", self.dccast(
             "design-mould", "--study",
-            self.create(fake_case("steps=1"), {"mesh.rows": [10, 11]}).id).stderr)
+            self.create(fake_case("steps=1"), {"mesh.rows": [10, 11]}).id, code=2))
 
     def test_the_store_is_made_again_from_what_is_there(self):
         study = self.design()

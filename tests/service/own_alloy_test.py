@@ -1,11 +1,9 @@
 #!/usr/bin/python3
 """A card of one's own, named by its path: from the command line, Python, and in a study."""
-import os
 import pathlib
-import subprocess
 
 import dccast
-from support import BIN, ServiceTest, main
+from support import ServiceTest, main
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CARD = (ROOT / "cases/alloys/paper.toml").read_text(encoding="utf-8")
@@ -25,10 +23,7 @@ class CardTest(ServiceTest):
         self.service = dccast.connect(self.daemon.address)
 
     def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=60, check=False,
-                               cwd=self.folder)
-        self.assertEqual(ended.returncode, code, ended.stderr)
+        ended = self.run_dccast(*words, code=code)
         return ended.stdout + ended.stderr
 
 

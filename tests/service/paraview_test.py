@@ -8,7 +8,7 @@ import unittest
 
 import h5py
 import numpy as np
-from support import BIN, ServiceTest, main
+from support import ServiceTest, main
 from waiting import WAIT_FACTOR
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -21,10 +21,6 @@ ELEMENT_FIELDS = {"stress_pa", "viscoplastic_strain", "von_mises_pa"}
 @unittest.skipUnless(PVPYTHON, "pvpython is not installed")
 class ParaView(ServiceTest):
     worker = "dccast-worker"
-
-    def dccast(self, *words):
-        subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                       capture_output=True, timeout=120 * WAIT_FACTOR, check=True)
 
     def read(self, case):
         """The stored file, and what each reader of ParaView makes of it."""

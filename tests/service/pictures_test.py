@@ -17,7 +17,7 @@ from selenium.webdriver.common.keys import Keys
 
 from dashboard_test import CASES, InBrowser
 from dccast.v1 import job_pb2
-from support import BIN, main
+from support import main
 from wall_test import Wall
 from waiting import until
 
@@ -62,10 +62,7 @@ class Camera(InBrowser):
 
 class Pictures(Camera):
     def dccast(self, *words):
-        done = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                              capture_output=True, text=True, timeout=300, check=False, cwd=self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.strip()
+        return super().dccast(*words).strip()
 
     def show(self, file, selector="body"):
         self.browser.get("file://" + os.path.join(self.folder, file))

@@ -180,8 +180,7 @@ class SeveralAtOnce(QueryTest):
                 file.write(re.sub(r"(?m)^title = .*$", 'title = "steps=40 sleep_ms=25"', new))
                 file.write(f'\n[validity]\nmaximum_slip = "{7 + number} mm"\n')
         begin = time.monotonic()
-        subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "compare",
-                        *files], capture_output=True, timeout=30, check=True)
+        self.dccast("compare", *files)
         self.assertLess(time.monotonic() - begin, 2.0)
 
 
@@ -303,8 +302,7 @@ class BesideAComparison(QueryTest):
             with open(files[-1], "w", encoding="utf-8") as file:
                 file.write(re.sub(r"(?m)^title = .*$", f'title = "{title}"', new))
                 file.write(f'\n[validity]\nmaximum_slip = "{7 + number} mm"\n')
-        process = subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                    "compare", *files], stdout=subprocess.DEVNULL,
+        process = subprocess.Popen(self.client_command("compare", *files), stdout=subprocess.DEVNULL,
                                    stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end, process)
         return process

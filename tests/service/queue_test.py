@@ -18,12 +18,6 @@ SHIPPED = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d
 
 
 class QueueTest(ServiceTest):
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, timeout=60, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr.decode())
-        return ended.stdout.decode() if code == 0 else ended.stderr.decode()
-
     def case_file(self, name, title):
         with open(SHIPPED, encoding="utf-8") as file:
             lines = [f'title = "{title}"' if line.startswith("title =") else line.rstrip("\n")

@@ -11,7 +11,7 @@ import h5py
 import numpy
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, main
+from support import ServiceTest, main
 from waiting import WAIT_FACTOR
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
@@ -32,11 +32,7 @@ class RealRunTest(ServiceTest):
 
     def submit_case(self, *changes, path=CASE):
         words = [word for change in changes for word in ("--set", change)]
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                "submit", "--json", *words, path], capture_output=True, text=True,
-                               timeout=60, check=False)
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        return json.loads(ended.stdout)["id"]
+        return json.loads(self.run_dccast("submit", "--json", *words, path).stdout)["id"]
 
     def finished_steps(self, job_id):
         events = self.sound_events(list(self.client.watch(job_id, timeout=120 * WAIT_FACTOR)))
@@ -74,9 +70,7 @@ class RealRun(RealRunTest):
         self.finished_steps(job_id)
         here, there = os.path.join(self.folder, "here"), os.path.join(self.folder, "there")
         os.mkdir(here)
-        subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "fetch",
-                        job_id, "-o", os.path.join(here, "run.h5")], timeout=60, check=True,
-                       capture_output=True)
+        self.run_dccast("fetch", job_id, "-o", os.path.join(here, "run.h5"))
         os.rename(here, there)
         checked = subprocess.run(["/usr/bin/python3", CHECK, os.path.join(there, "run.h5")],
                                  capture_output=True, text=True, timeout=60, check=False)
@@ -95,12 +89,7 @@ class RealRun(RealRunTest):
         path = os.path.join(self.folder, "faulty.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                "validate", "--json", path], capture_output=True, text=True,
-                               timeout=60, check=False)
-        self.assertEqual(ended.returncode, 2, ended.stderr)
-
-        answer = json.loads(ended.stdout)
+        answer = json.loads(self.run_dccast("validate", "--json", path, code=2).stdout)
         self.assertEqual([fault["field"] for fault in answer["faults"]],
                          ["section.half_width", "alloy.coherency", "time.step", "monitor[1].name"])
 
@@ -134,8 +123,7 @@ class RealRun(RealRunTest):
             self.finished_steps(job_id)
             folder = os.path.join(self.folder, str(number))
             os.mkdir(folder)
-            subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "fetch", job_id,
-                            "-o", folder], check=True, timeout=60, capture_output=True)
+            self.dccast("fetch", job_id, "-o", folder)
             folders.append((job_id, folder))
         contents = []
         for job_id, folder in folders:

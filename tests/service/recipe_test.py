@@ -9,7 +9,7 @@ import subprocess
 
 from data_study import DataStudyCase
 from dccast.v1 import job_pb2, study_pb2
-from support import BIN, main
+from support import main
 from waiting import until
 
 # Two of the four data are enough.
@@ -20,17 +20,10 @@ class Recipe(DataStudyCase):
     def case_file(self):
         return super().case_file(TWO_DATA)
 
-    def command(self, *words):
-        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
-
     def design(self, path, *more, code=0, band="0..100 mm", hold="55..90 s"):
         """With so few drafts, recipes of a shorter hold are not known to melt through."""
-        ended = subprocess.run(self.command("design-recipe", path, "--band", band, "--drafts", "16",
-                                            "--castings", "3", "--candidates", "2", "--hold", hold,
-                                            *more),
-                               capture_output=True, text=True, timeout=280, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended.stdout if code == 0 else ended.stderr
+        return self.dccast("design-recipe", path, "--band", band, "--drafts", "16", "--castings", "3",
+                           "--candidates", "2", "--hold", hold, *more, code=code)
 
     def study(self, study):
         return self.client.ask("GetStudy", id=study)
@@ -44,8 +37,7 @@ class Recipe(DataStudyCase):
         with open(page, encoding="utf-8") as file:
             self.assertIn("Recipes of least risk", file.read())
 
-        subprocess.run(self.command("validate", chosen), check=True, timeout=60,
-                       capture_output=True)
+        self.dccast("validate", chosen)
         # The same command finds the study as it is and runs nothing again.
         answer = json.loads(self.design(path, "--json"))
         self.assertIn(answer["study"]["id"], screen)
@@ -60,8 +52,7 @@ class Recipe(DataStudyCase):
             text = file.read()
         for change in best["changes"]:
             self.assertIn(change["key"].split(".")[1], text)
-        self.assertIn("recipe, 7 numbers", subprocess.run(
-            self.command("studies"), check=True, capture_output=True, text=True, timeout=30).stdout)
+        self.assertIn("recipe, 7 numbers", self.dccast("studies"))
 
     def test_the_steps_of_a_run_follow_its_own_hold(self):
         """Steps are finest after the events of a start, and the error bars are those of such steps."""
@@ -96,7 +87,7 @@ class Recipe(DataStudyCase):
 
     def test_an_interruption_cancels_and_the_same_command_goes_on(self):
         path = self.case_file()
-        running = subprocess.Popen(self.command(
+        running = subprocess.Popen(self.client_command(
             "design-recipe", path, "--band", "0..100 mm", "--drafts", "16", "--castings", "3",
             "--candidates", "2", "--hold", "55..90 s"), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         study = re.search(r"study ([0-9a-f-]{36})", running.stderr.readline())[1]

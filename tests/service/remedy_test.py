@@ -2,14 +2,13 @@
 """What helps against a finding: from the finding of a real run to an amount on screen, in JSON and on the page."""
 import json
 import os
-import subprocess
 
 import dccast
 import grpc
 from dccast.v1 import study_pb2
 
 from dashboard_test import CASES, InBrowser
-from support import BIN, ServiceTest, main
+from support import ServiceTest, main
 
 CASE = os.path.join(CASES, "start-2d-thickness.toml")
 AMOUNT = r"hold \S+ s longer: shell over the block 0\S* -> \S+ mm"
@@ -17,12 +16,6 @@ SHORT_HOLD = ("--set", "schedule.hold=30 s")  # the butt bleeds out
 
 
 class Client:
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=200, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended.stdout if code == 0 else ended.stderr
-
     def bled_out(self):
         """A job whose butt has bled out."""
         job = self.dccast("submit", *SHORT_HOLD, CASE).strip()

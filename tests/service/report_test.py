@@ -5,14 +5,13 @@ figures without scripts."""
 import base64
 import os
 import re
-import subprocess
 
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select
 
 from dashboard_test import CASES, InBrowser
 from dccast.v1 import follow_pb2, job_pb2, judgement_pb2
-from support import BIN, main
+from support import main
 from wall_test import Wall
 
 
@@ -21,10 +20,7 @@ class Page(InBrowser):
     worker = "dccast-worker"
 
     def dccast(self, *words):
-        done = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                              capture_output=True, text=True, timeout=300, check=False, cwd=self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.strip()
+        return super().dccast(*words).strip()
 
     def cast(self, case, *changes):
         words = [word for change in ("quality=draft", *changes) for word in ("--set", change)]

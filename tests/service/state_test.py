@@ -417,10 +417,7 @@ class ChangedResults(StateTest):
 
     def test_frames_and_reports(self):
         path = os.path.join(ROOT, "cases", "start-2d-thickness.toml")
-        client = [os.path.join(BIN, "dccast"), "--server", self.daemon.address]
-        job = subprocess.run([*client, "submit", path, "--set", "quality=draft", "--set",
-                              "time.end=20 s"], capture_output=True, text=True, timeout=60,
-                             check=True).stdout.strip()
+        job = self.dccast("submit", path, "--set", "quality=draft", "--set", "time.end=20 s").strip()
         self.client.until_state(job, SUCCEEDED, seconds=60)
         query = service_pb2.QueryResultRequest(id=job, frame=True)
         self.assertTrue(self.client.stub.QueryResult(query, timeout=20).HasField("frame"))

@@ -303,6 +303,21 @@ class ServiceTest(unittest.TestCase):
         self.daemon.start()
         self.client = self.new_client()
 
+    def client_command(self, *words):
+        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
+
+    def run_dccast(self, *words, code=0):
+        """Runs the command to its end, in the folder of the test."""
+        ended = subprocess.run(self.client_command(*words), capture_output=True, text=True,
+                               timeout=300 * WAIT_FACTOR, check=False, cwd=self.folder)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        return ended
+
+    def dccast(self, *words, code=0):
+        """The same. Returns what it printed, or why it failed."""
+        ended = self.run_dccast(*words, code=code)
+        return ended.stderr if code else ended.stdout
+
     def tearDown(self):
         for client in self.clients:
             client.close()

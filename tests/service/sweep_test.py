@@ -302,13 +302,6 @@ class Killed(StudyTest):
 class Command(StudyTest):
     """The commands of the client."""
 
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=120, check=False,
-                               cwd=self.folder)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended
-
     def case_file(self, title):
         with open(CASE, encoding="utf-8") as shipped:
             text = re.sub(r"^title = .*$", f'title = "{title}"', shipped.read(), flags=re.M)
@@ -317,7 +310,7 @@ class Command(StudyTest):
         return "case.toml"
 
     def test_a_sweep_from_the_command_line(self):
-        ended = self.dccast("sweep", self.case_file("steps=3"), "--grid",
+        ended = self.run_dccast("sweep", self.case_file("steps=3"), "--grid",
                             "schedule.casting_speed=40 mm/min,60 mm/min", "--grid", "mesh.rows=10,20",
                             "--csv", "out.csv", "--plot", "out.html")
         study = re.match(r"study ([0-9a-f-]+)", ended.stdout)[1]
@@ -335,19 +328,19 @@ class Command(StudyTest):
         self.assertEqual(page.count("data-kind='chart'"), 3)
         self.assertNotIn(">nan", page)
 
-        result = json.loads(self.dccast("sweep", "--study", study, "--json").stdout)
+        result = json.loads(self.dccast("sweep", "--study", study, "--json"))
         self.assertEqual(len(result["runs"]), 4)
         self.assertEqual(len(result["runs"][0]["curves"][0]["curl_m"]), 3)
-        self.assertIn(study[:8], self.dccast("studies").stdout)
+        self.assertIn(study[:8], self.dccast("studies"))
         self.assertIn("sweep of schedule.casting_speed, mesh.rows",
-                      self.dccast("studies", "show", study).stdout)
+                      self.dccast("studies", "show", study))
 
-        self.dccast("studies", "delete", study)
-        self.dccast("studies", "show", study, code=5)
+        self.run_dccast("studies", "delete", study)
+        self.run_dccast("studies", "show", study, code=5)
 
     def test_the_table_of_a_sweep_as_hdf5(self):
         path = self.case_file("steps=3 finding_at=2")
-        ended = self.dccast("sweep", path, "--grid",
+        ended = self.run_dccast("sweep", path, "--grid",
                             "schedule.casting_speed=40 mm/min,60 mm/min", "--grid", "mesh.rows=10,20",
                             "--output", "out.h5")
         study = re.match(r"study ([0-9a-f-]+)", ended.stdout)[1]
@@ -374,11 +367,11 @@ class Command(StudyTest):
             self.assertEqual(set(table["findings/code"].asstr()), {"bleed_out_at_exit"})
             self.assertEqual(set(table["findings/severity"].asstr()), {"danger"})
 
-        self.dccast("studies", "fetch", study, "-o", "again.h5")
+        self.run_dccast("studies", "fetch", study, "-o", "again.h5")
         content = [pathlib.Path(self.folder, name).read_bytes() for name in ("out.h5", "again.h5")]
         self.assertEqual(content[0], content[1])  # what a client goes on from after a cut
 
-        self.dccast("studies", "fetch", study, "-o", "again.h5", code=2)
+        self.run_dccast("studies", "fetch", study, "-o", "again.h5", code=2)
         self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
 
     def test_a_table_is_fetched_from_where_it_was_cut(self):
@@ -403,28 +396,28 @@ class Command(StudyTest):
             file.write('case = "case.toml"\ndesign = "latin_hypercube"\nruns = 5\n[[axis]]\n'
                        'key = "schedule.casting_speed"\nvalues = ["40 mm/min", "80 mm/min"]\n')
         rows = list(csv.DictReader(io.StringIO(
-            self.dccast("sweep", "sweep.toml", "--csv", "-").stdout)))
+            self.dccast("sweep", "sweep.toml", "--csv", "-"))))
         self.assertEqual(len(rows), 5)
         for row in rows:
             self.assertTrue(0.04 / 60 < float(row["schedule.casting_speed_m_per_s"]) < 0.08 / 60)
 
     def test_faults_name_run_and_key(self):
         path = self.case_file("steps=2")
-        said = self.dccast("sweep", path, "--grid", "mesh.rows=10,0", code=2).stderr
+        said = self.dccast("sweep", path, "--grid", "mesh.rows=10,0", code=2)
         self.assertIn("mesh.rows = 0", said)
-        said = self.dccast("sweep", path, "--grid", "mesh.rws=10", code=2).stderr
+        said = self.dccast("sweep", path, "--grid", "mesh.rws=10", code=2)
         self.assertIn("mesh.rws", said)
-        self.assertIn("[[axis]]", self.dccast("sweep", path, code=2).stderr)
-        self.assertIn("KEY=a,b,c", self.dccast("sweep", path, "--grid", "10", code=2).stderr)
+        self.assertIn("[[axis]]", self.dccast("sweep", path, code=2))
+        self.assertIn("KEY=a,b,c", self.dccast("sweep", path, "--grid", "10", code=2))
 
     def test_cancelled_and_resumed(self):
-        study = self.dccast("sweep", self.case_file("steps=100 sleep_ms=10"), "--grid",
+        study = self.run_dccast("sweep", self.case_file("steps=100 sleep_ms=10"), "--grid",
                             "mesh.rows=10,20,30", "--no-wait").stdout.strip()
-        self.assertIn("cancelled", self.dccast("studies", "cancel", study).stdout +
-                      self.dccast("studies", "show", study).stdout)
+        self.assertIn("cancelled", self.dccast("studies", "cancel", study) +
+                      self.dccast("studies", "show", study))
         self.until_ended(study)
-        self.assertIn("running", self.dccast("studies", "resume", study).stdout)
-        self.dccast("studies", "cancel", study)
+        self.assertIn("running", self.dccast("studies", "resume", study))
+        self.run_dccast("studies", "cancel", study)
 
 
 class Predicted(StudyTest):
@@ -451,12 +444,6 @@ class Predicted(StudyTest):
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
         return path
-
-    def dccast(self, *words):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=250, check=False)
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        return ended.stdout
 
     def predict(self, study, **values):
         changes = [job_pb2.CaseChange(key=key, value=value) for key, value in values.items()]

@@ -3,12 +3,11 @@
 import concurrent.futures
 import os
 import re
-import subprocess
 
 import grpc
 
 from dccast.v1 import job_pb2, study_pb2
-from support import BIN, SANITIZED, ServiceTest, fake_case, main
+from support import SANITIZED, ServiceTest, fake_case, main
 from waiting import until
 
 
@@ -85,11 +84,7 @@ class Uploads(ServiceTest):
                        'initial_depth = "5 cm"\n[time]\nend = "145 s"\n[mesh]\nfile = "slab.msh"\n'
                        '[[monitor]]\nname = "corner"\nx = "0.25 m"\ny = "0 m"\n')
         for _ in range(2):
-            ended = subprocess.run(
-                [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "submit", path],
-                capture_output=True, text=True, timeout=30, check=False)
-            self.assertEqual(ended.returncode, 0, ended.stderr)
-            self.client.until_state(ended.stdout.strip(), job_pb2.SUCCEEDED)
+            self.client.until_state(self.dccast("submit", path).strip(), job_pb2.SUCCEEDED)
         self.assertEqual(len(self.uploaded()), 1)
 
 
