@@ -307,7 +307,7 @@ class Commands(AccessTest):
     """What an IT department types before and beside the daemon."""
 
     def test_what_reads_creates_nothing_and_names_the_folder(self):
-        data = os.path.join(self.folder, "absent")
+        data = self.in_folder("absent")
         for words in (["user", "list"], ["pki", "show"], ["audit"], ["check"]):
             done = subprocess.run([os.path.join(BIN, "dccastd"), *words, "--set",
                                    f"data_directory={data}"],
@@ -338,10 +338,9 @@ class Commands(AccessTest):
     def test_check_config_prints_all_faults(self):
         self.start()
         self.assertIn("no faults", self.admin("check-config"))
-        settings = os.path.join(self.folder, "wrong.toml")
-        with open(settings, "w", encoding="utf-8") as file:
-            file.write('worker.count = 4\njob_end_hook = "/nowhere"\n[listen]\ntls = "casthouse"\n'
-                       '[slurm]\noptions = "--clusters=big"\n[workers]\ncount = -3\n')
+        settings = self.write_file("wrong.toml", 'worker.count = 4\njob_end_hook = "/nowhere"\n'
+                                   '[listen]\ntls = "casthouse"\n'
+                                   '[slurm]\noptions = "--clusters=big"\n[workers]\ncount = -3\n')
         done = subprocess.run([os.path.join(BIN, "dccastd"), "check-config", "--config", settings],
                               capture_output=True, text=True, timeout=30, check=False)
         self.assertEqual(done.returncode, 2)
@@ -354,7 +353,7 @@ class Commands(AccessTest):
 
     def test_a_token_that_ends_soon_is_said_and_renewed(self):
         self.start(access__token_lifetime="10 days", listen__metrics="127.0.0.1:0")
-        home = os.path.join(self.folder, "home")
+        home = self.in_folder("home")
 
         def dccast(*words, given=""):
             return subprocess.run([os.path.join(BIN, "dccast"), *words], input=given, text=True,
@@ -424,7 +423,7 @@ class Certificates(AccessTest):
 
     def pair(self, name):
         def read(ending):
-            with open(os.path.join(self.folder, name + ending), "rb") as file:
+            with open(self.in_folder(name + ending), "rb") as file:
                 return file.read()
         return read(".key"), read(".pem")
 
@@ -501,7 +500,7 @@ class Audit(AccessTest):
 
 class LocalSocket(AccessTest):
     def test_the_users_of_a_unix_socket_are_known(self):
-        path = os.path.join(self.folder, "socket")
+        path = self.in_folder("socket")
         os.chmod(self.folder, 0o755)
         self.start(listen__socket="unix:" + path)
         self.assertEqual(self.daemon.address, "unix:" + path)
@@ -522,13 +521,13 @@ class LocalSocket(AccessTest):
         self.assertEqual(self.audit("--job", job.id)[0]["from"], "unix:")
 
     def test_a_socket_of_a_killed_daemon_is_replaced(self):
-        self.start(listen__socket="unix:" + os.path.join(self.folder, "socket"))
+        self.start(listen__socket="unix:" + self.in_folder("socket"))
         self.daemon.kill()
         self.daemon.end_workers()
         self.daemon.start()
         self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
         self.assertEqual(self.daemon.terminate(), 0)
-        self.assertFalse(os.path.exists(os.path.join(self.folder, "socket")))
+        self.assertFalse(os.path.exists(self.in_folder("socket")))
 
 
 CALLS_OF_WEB = """

@@ -3,7 +3,6 @@
 on screen, as JSON, as a page and as a case that is valid; bad measurements; a daemon and a client that are
 killed."""
 import json
-import os
 import random
 import re
 import signal
@@ -30,16 +29,13 @@ class Calibration(DataStudyCase):
         for time_s, curl_m in list(zip(answer["time_s"], corner["curl_m"]))[::every]:
             if curl_m is not None:
                 lines.append(f"{time_s}, {1e3 * curl_m + noise.gauss(0.0, 5e-3)}")
-        path = os.path.join(self.folder, name)
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("\n".join([*more, *lines]) + "\n")
-        return path
+        return self.write_file(name, "\n".join([*more, *lines]) + "\n")
 
     @unittest.skipIf(SANITIZED, "the client waits 60 s for an answer, and this daemon takes longer")
     def test_hidden_values_are_found_again(self):
         path = self.case_file()
         measured = self.measured(path)
-        page, output = (os.path.join(self.folder, name) for name in ("page.html", "calibrated.toml"))
+        page, output = (self.in_folder(name) for name in ("page.html", "calibrated.toml"))
         answer = json.loads(self.dccast("calibrate", path, "--measured", measured, *FREE, "--runs", "16",
                                         "--json", "--plot", page, "-o", output))
         keys = answer["calibration"]["keys"]
@@ -96,7 +92,7 @@ class Calibration(DataStudyCase):
 
     def test_bad_measurements_name_file_line_and_column(self):
         path = self.case_file()
-        measured = os.path.join(self.folder, "bad.csv")
+        measured = self.in_folder("bad.csv")
         for text, fault in (("time [s], curl corner [mm]\n1, 2\n2, three\n", "bad.csv:3:2: \"three\" is no number"),
                            ("time, curl corner [mm]\n", "bad.csv:1:1: \"time\" has no unit"),
                            ("time [s], edge [mm]\n", "is no monitor of the case; permitted: corner")):

@@ -100,7 +100,7 @@ class Comparisons(ServiceTest):
                      {"job": waiting.id})
 
     def test_a_file_with_a_long_name_is_compared(self):
-        folder = os.path.join(self.folder, *(["a-folder-with-a-rather-long-name"] * 8))
+        folder = self.in_folder(*(["a-folder-with-a-rather-long-name"] * 8))
         os.makedirs(folder)
         path = os.path.join(folder, "my.toml")
         with open(path, "w", encoding="utf-8") as file:

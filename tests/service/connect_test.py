@@ -127,7 +127,7 @@ class ConnectTest(ClientTest):
 
     def entry(self, token):
         """Where the user who has logged in last asks by JSON."""
-        entry = Entry({"XDG_CONFIG_HOME": os.path.join(self.folder, "settings")})
+        entry = Entry({"XDG_CONFIG_HOME": self.in_folder("settings")})
         self.addCleanup(entry.close)
         return entry
 

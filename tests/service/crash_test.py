@@ -147,7 +147,7 @@ class Crash(ServiceTest):
 
     def test_folders_of_jobs_never_acknowledged_are_moved_aside(self):
         self.daemon.kill()
-        orphan = os.path.join(self.folder, "data", "jobs", "0f2b9a4e-0000-4000-8000-000000000000")
+        orphan = self.in_folder("data", "jobs", "0f2b9a4e-0000-4000-8000-000000000000")
         os.makedirs(orphan)
         self.restart()
         self.assertFalse(os.path.exists(orphan))

@@ -27,8 +27,5 @@ class DataStudyCase(ServiceTest):
         for pattern, other in COARSE + more:
             text, changes = re.subn(pattern, other, text, flags=re.M)
             self.assertGreater(changes, 0, pattern)
-        path = os.path.join(self.folder, "case.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        return path
+        return self.write_file("case.toml", text)
 

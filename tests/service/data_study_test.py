@@ -21,7 +21,7 @@ class DataStudy(DataStudyCase):
 
     def test_uncertainty_from_case_to_page(self):
         path = self.case_file()
-        page = os.path.join(self.folder, "page.html")
+        page = self.in_folder("page.html")
         screen = self.dccast("uncertainty", path, *self.only(), "--runs", "12", "--plot", page,
                              "--band", "0..100 mm")
         self.assertIn("12 runs: 12 valid", screen)
@@ -87,7 +87,7 @@ class DataStudy(DataStudyCase):
         hot = by_key["cooling.bottom_block.temperature"]
         self.assertNotEqual(hot["low_m"], hot["high_m"])
 
-        page = os.path.join(self.folder, "page.html")
+        page = self.in_folder("page.html")
         screen = self.dccast("sensitivity", "--study", answer["study"]["id"], "--plot", page)
         self.assertIn("9 runs: 9 valid", screen)
         self.assertIn("error of a difference has not been measured", screen)  # of a mesh of its own

@@ -21,7 +21,7 @@ class Kills(FollowTest):
 
     def test_kills_of_client_daemon_and_worker_lose_nothing_and_use_nothing_twice(self):
         lines = table(end=CASTINGS_END).splitlines(keepends=True)
-        path = os.path.join(self.folder, "readings.csv")
+        path = self.in_folder("readings.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.writelines(lines)
         self.ended(self.dccast("follow", self.case_file(CASTINGS_END), "--readings", path))
@@ -75,9 +75,7 @@ class Kills(FollowTest):
 
 class HalfADay(FollowTest):
     def test_castings_one_after_another_leave_no_memory_and_no_disk_but_their_records(self):
-        path = os.path.join(self.folder, "readings.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(table(end=CASTINGS_END))
+        path = self.write_file("readings.csv", table(end=CASTINGS_END))
         words = self.client_command("follow", self.case_file(CASTINGS_END), "--set", "quality=draft",
                                     "--readings", path)
 
@@ -106,7 +104,7 @@ class HalfADay(FollowTest):
     def bytes_of_newest_job(self):
         job = self.client.ask("ListJobs", page_size=1).jobs[0]
         self.assertEqual(job.state, job_pb2.SUCCEEDED)
-        folder = os.path.join(self.folder, "data", "jobs", job.id)
+        folder = self.in_folder("data", "jobs", job.id)
         return sum(os.path.getsize(os.path.join(folder, name)) for name in os.listdir(folder))
 
 

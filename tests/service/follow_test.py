@@ -70,7 +70,7 @@ class FollowTest(RealRunTest):
         return self.finished_steps(job_id)[1]
 
     def case_file(self, end=END):
-        path = os.path.join(self.folder, "plan.toml")
+        path = self.in_folder("plan.toml")
         with open(CASE, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as plan:
             plan.write(file.read().replace('\nend = "145 s"', f'\nend = "{end} s"'))
         return path
@@ -303,7 +303,7 @@ class Kills(FollowTest):
         made = readings()
         self.append(job_id, *made[:20])
         self.daemon.kill_with_workers()
-        path = os.path.join(self.folder, "data", "jobs", job_id, "readings.log")
+        path = self.in_folder("data", "jobs", job_id, "readings.log")
         with open(path, "r+b") as record:
             record.truncate(os.path.getsize(path) - 3)
         self.restart()
@@ -342,7 +342,7 @@ class Forecast(FollowTest):
 
     def test_a_plan_that_is_not_prepared_is_forecast_by_its_run_and_the_last_difference(self):
         plan = self.case_file(end=20)
-        path = os.path.join(self.folder, "curls.csv")
+        path = self.in_folder("curls.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write("time [s], curl corner [mm]\n")
             file.writelines(f"{t}, {1.5 + 0.01 * max(t, 0)}\n" for t in range(-60, 11))
@@ -425,7 +425,7 @@ class Forecast(FollowTest):
 
 class Preparation(FollowTest):
     def table_of_curls(self):
-        path = os.path.join(self.folder, "curls.csv")
+        path = self.in_folder("curls.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write("time [s], curl corner [mm]\n")
             file.writelines(f"{t}, {max(t, 0) * 0.05}\n" for t in range(-60, 5))
@@ -627,7 +627,7 @@ class Line(FollowTest):
 
     def test_a_damaged_line_is_refused_and_can_be_forgotten(self):
         self.cast()
-        path = os.path.join(self.folder, "data", "lines", "pit-3.bin")
+        path = self.in_folder("data", "lines", "pit-3.bin")
         with open(path, "r+b") as file:
             file.seek(40)
             file.write(b"\xff")
@@ -679,7 +679,7 @@ class Plant(FollowTest):
 
 class Replay(FollowTest):
     def test_a_record_is_written_at_its_pace(self):
-        path = os.path.join(self.folder, "casting.csv")
+        path = self.in_folder("casting.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write("# line 4\n" + table() + "nonsense\n")
         begin = time.monotonic()
@@ -697,9 +697,7 @@ class Replay(FollowTest):
         self.assertEqual(slow.returncode, 130)
 
     def test_a_replayed_casting_is_followed(self):
-        path = os.path.join(self.folder, "casting.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(table())
+        path = self.write_file("casting.csv", table())
         plant = self.dccast("replay", path, "--pace", "50")
         follower = self.dccast("follow", self.case_file(), "--set", "quality=draft",
                                stdin=plant.stdout)
@@ -712,18 +710,14 @@ class Replay(FollowTest):
 
     def test_a_file_that_is_no_record_is_refused(self):
         for text, word in (("", "is empty"), ("colour [1]\n", "a column for the time")):
-            path = os.path.join(self.folder, "wrong.csv")
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(text)
+            path = self.write_file("wrong.csv", text)
             _, err = self.ended(self.dccast("replay", path), code=2)
             self.assertIn(word, err)
 
 
 class Client(FollowTest):
     def test_a_recorded_casting_is_computed_again(self):
-        path = os.path.join(self.folder, "casting.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(table())
+        path = self.write_file("casting.csv", table())
         process = self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings",
                               path, "--label", "casting-41", "--json")
         out, err = self.ended(process)
@@ -737,12 +731,10 @@ class Client(FollowTest):
                                events[-1]["monitors"][0]["displacement_m"][1], delta=1e-9)
 
     def test_objects_with_names_of_the_plant_give_the_same_casting(self):
-        columns = os.path.join(self.folder, "plc.toml")
-        with open(columns, "w", encoding="utf-8") as file:
-            file.write('time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
-                       'speed = { name = "DB12.Speed", unit = "m/min" }\n'
-                       'water = { name = "FT101", unit = "m3/h", per = "5 m" }\n'
-                       'metal = { name = "TT3", unit = "K" }\n')
+        columns = self.write_file("plc.toml", 'time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
+                                  'speed = { name = "DB12.Speed", unit = "m/min" }\n'
+                                  'water = { name = "FT101", unit = "m3/h", per = "5 m" }\n'
+                                  'metal = { name = "TT3", unit = "K" }\n')
         zero = datetime.datetime(2026, 11, 27, 4, 1, tzinfo=datetime.timezone.utc)
         lines = []
         for reading in readings():
@@ -765,9 +757,8 @@ class Client(FollowTest):
                                event["monitors"][0]["displacement_m"][1], delta=1e-9)
 
     def test_a_file_of_columns_that_is_wrong_makes_no_job(self):
-        columns = os.path.join(self.folder, "plc.toml")
-        with open(columns, "w", encoding="utf-8") as file:
-            file.write('time = { name = "ts", unit = "s" }\nspeed = { name = "v", unit = "kg" }\n')
+        columns = self.write_file(
+            "plc.toml", 'time = {name = "ts", unit = "s" }\nspeed = {name = "v", unit = "kg" }\n')
         process = self.dccast("follow", self.case_file(), "--columns", columns, stdin=subprocess.PIPE)
         _, err = self.ended(process, code=2, input="ts, v\n1, 2\n")
         self.assertIn("plc.toml:2:", err)
@@ -798,12 +789,10 @@ class Client(FollowTest):
     def test_a_jump_of_the_clock_is_said_once_and_carries_no_casting_to_its_end(self):
         """A clock that is set forward and back, in numbers and stamps; a gap of the same length."""
         rows = table(end=30).splitlines()
-        path = os.path.join(self.folder, "casting.csv")
+        path = self.in_folder("casting.csv")
         zero = datetime.datetime(2026, 11, 27, 4, 1, tzinfo=datetime.timezone.utc)
-        columns = os.path.join(self.folder, "plc.toml")
-        with open(columns, "w", encoding="utf-8") as file:
-            file.write('time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
-                       'speed = { name = "speed [mm/min]", unit = "mm/min" }\n')
+        columns = self.write_file("plc.toml", 'time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
+                                  'speed = { name = "speed [mm/min]", unit = "mm/min" }\n')
         for by, stamps in ((874, False), (-60, False), (-2, False), (3600, True), (-7200, True)):
             with open(path, "w", encoding="utf-8") as file:
                 file.write(rows[0].replace("time [s]", "ts" if stamps else "time [s]") + "\n")
@@ -829,7 +818,7 @@ class Client(FollowTest):
     def test_a_log_that_is_begun_anew_is_followed_by_its_name(self):
         """Renamed, deleted, cut, and with its columns in another order; a header each time."""
         rows = [row.rsplit(",", 1)[0] for row in table(end=30).splitlines()]
-        path = os.path.join(self.folder, "live.csv")
+        path = self.in_folder("live.csv")
         renewals = {20: "renamed", 45: "deleted", 70: "cut", 80: "turned"}
         file = open(path, "w", encoding="utf-8", buffering=1)
         file.write(rows[0] + "\n" + rows[1] + "\n")
@@ -891,7 +880,7 @@ class Client(FollowTest):
             process = self.dccast("follow", self.case_file(), stdin=subprocess.PIPE)
             _, err = self.ended(process, code=2, input=text + ("\n" if text else ""))
             self.assertIn(word, err)
-        utf16 = os.path.join(self.folder, "utf16.csv")
+        utf16 = self.in_folder("utf16.csv")
         with open(utf16, "w", encoding="utf-16") as file:
             file.write(table())
         _, err = self.ended(self.dccast("follow", self.case_file(), "--readings", utf16), code=2)
@@ -904,9 +893,7 @@ class Client(FollowTest):
             cells = lines[number].split(", ")
             cells[2], cells[3] = "32767", "-9999" if number % 2 else "NaN"
             lines[number] = ", ".join(cells)
-        path = os.path.join(self.folder, "broken.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("\ufeff" + ",\n".join(lines) + ",\n")
+        path = self.write_file("broken.csv", "\ufeff" + ",\n".join(lines) + ",\n")
         _, err = self.ended(self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings",
                                         path))
         self.assertIn("line 31, -31 s: the water flow is 0.546117 m2/s; permitted: 0 to 0.1 m2/s", err)
@@ -946,11 +933,11 @@ class Client(FollowTest):
         self.assertAlmostEqual(self.client.job(job_id).last_step.time_s, END)
 
     def kept_file(self, job_id):
-        return os.path.join(self.folder, "state", "dccast", "readings", job_id)
+        return self.in_folder("state", "dccast", "readings", job_id)
 
     def begin_live(self, lines):
         """A client that follows live, whose readings so far are on the server."""
-        state = {"XDG_STATE_HOME": os.path.join(self.folder, "state")}
+        state = {"XDG_STATE_HOME": self.in_folder("state")}
         client = self.dccast("follow", self.case_file(), "--set", "quality=draft", stdin=subprocess.PIPE,
                              env=os.environ | state)
         self.write(client, lines)
@@ -1056,8 +1043,8 @@ class Client(FollowTest):
 
     def test_a_lever_off_its_plan_is_an_alarm_and_the_advice_is_to_bring_it_back(self):
         head, *rows = table().splitlines(keepends=True)
-        path = os.path.join(self.folder, "casting.csv")
-        told = os.path.join(self.folder, "told")
+        path = self.in_folder("casting.csv")
+        told = self.in_folder("told")
         for column, value, word in ((2, "0", "ALARM at 13 s, water: the water is off: 0 l/min/m, the plan has"),
                                     (1, "0", "ALARM at 17 s, casting speed: the block stands"),
                                     (1, "4", "the unit of its column; if it is a tenth"),

@@ -65,7 +65,7 @@ class LocalSocket(ServiceTest):
 
     def test_a_second_daemon_leaves_the_socket_to_the_first(self):
         job = self.client.submit(fake_case(CASE_TITLE))
-        folder = os.path.join(self.folder, "second")
+        folder = self.in_folder("second")
         os.mkdir(folder)
         with self.assertRaises(RuntimeError) as refused:
             Daemon(folder, listen__socket="").start()
@@ -86,7 +86,7 @@ class LocalSocket(ServiceTest):
 
     def test_a_path_that_is_too_long_is_refused_with_the_remedy(self):
         self.daemon.terminate()
-        os.environ["XDG_RUNTIME_DIR"] = os.path.join(self.folder, "x" * 120)
+        os.environ["XDG_RUNTIME_DIR"] = self.in_folder("x" * 120)
         with self.assertRaises(RuntimeError) as refused:
             self.daemon.start()
         self.assertIn("1 to 107 bytes", str(refused.exception))
@@ -191,9 +191,7 @@ class PortFile(ServiceTest):
 
     def test_a_link_at_its_temporary_name_is_not_followed(self):
         self.daemon.terminate()
-        victim = os.path.join(self.folder, "victim")
-        with open(victim, "w", encoding="ascii") as file:
-            file.write("as before")
+        victim = self.write_file("victim", "as before")
         os.symlink(victim, self.daemon.port_file + ".tmp")
         self.restart()
         with open(victim, encoding="ascii") as file:

@@ -138,7 +138,7 @@ class Mould(StudyTest):
         self.assertEqual(min(residuals), residuals[-1])
         self.assertAlmostEqual(residuals[0], 0.07 * WANTED, places=9)
 
-        page = os.path.join(self.folder, "mould.html")
+        page = self.in_folder("mould.html")
         self.run_dccast("design-mould", "--study", study.id, "--plot", page, "--no-wait")
 
         with open(page, encoding="utf-8") as file:
@@ -155,7 +155,7 @@ class Mould(StudyTest):
         ended = self.until_ended(study.id)
         self.daemon.kill()
         for end in ("", "-wal", "-shm"):
-            os.remove(os.path.join(self.folder, "data", "jobs.sqlite" + end))
+            os.remove(self.in_folder("data", "jobs.sqlite" + end))
         self.restart()
         again = self.until_ended(study.id)
         self.assertEqual((again.state, again.runs), (ended.state, ended.runs))

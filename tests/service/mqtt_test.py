@@ -85,7 +85,7 @@ class MqttTest(FollowTest):
 
     def login(self, mode=0o600, **texts):
         texts = texts or {"user": USER, "password": PASSWORD}
-        path = os.path.join(self.folder, "broker.toml")
+        path = self.in_folder("broker.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.writelines(f"{key} = {json.dumps(text)}\n" for key, text in texts.items())
         os.chmod(path, mode)
@@ -93,7 +93,7 @@ class MqttTest(FollowTest):
 
     def start(self, *words, topic="pit3/readings", scheme="mqtt"):
         """`dccast follow` of the topic, which waits for the first reading."""
-        with open(os.path.join(self.folder, "said"), "w", encoding="utf-8") as err:
+        with open(self.in_folder("said"), "w", encoding="utf-8") as err:
             process = subprocess.Popen(
                 [*self.dccast_words("follow", self.case_file(), "--set", "quality=draft", "--readings",
                                     f"{scheme}://127.0.0.1:{self.broker.port}/{topic}"), *words],
@@ -102,7 +102,7 @@ class MqttTest(FollowTest):
         return process
 
     def said(self):
-        with open(os.path.join(self.folder, "said"), encoding="utf-8") as file:
+        with open(self.in_folder("said"), encoding="utf-8") as file:
             return file.read()
 
     def dccast_words(self, *words):
@@ -117,9 +117,7 @@ class MqttTest(FollowTest):
 
 class Readings(MqttTest):
     def test_a_topic_gives_what_a_table_gives(self):
-        path = os.path.join(self.folder, "table.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(table())
+        path = self.write_file("table.csv", table())
         self.ended(self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings", path))
         expected = physics(self.steps_at_end(self.newest_job()))
 
@@ -191,7 +189,7 @@ class Alarms(MqttTest):
         curve = next(each for each in self.client.stub.EvaluateStudy(request, timeout=30).runs[0].curves
                      if each.monitor == "corner")
 
-        path, told = (os.path.join(self.folder, name) for name in ("curls.csv", "told"))
+        path, told = (self.in_folder(name) for name in ("curls.csv", "told"))
         with open(path, "w", encoding="utf-8") as file:
             file.write("time [s], curl corner [mm]\n")
             for t in range(0, END):

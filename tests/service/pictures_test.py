@@ -65,7 +65,7 @@ class Pictures(Camera):
         return super().dccast(*words).strip()
 
     def show(self, file, selector="body"):
-        self.browser.get("file://" + os.path.join(self.folder, file))
+        self.browser.get("file://" + self.in_folder(file))
         return self.find(selector)
 
     def test_report_drawing_and_page(self):
@@ -162,7 +162,7 @@ class Pictures(Camera):
         self.keep("python-curl.png")
         frame = (1000 * job.curl_frame().drop(columns="beyond_validity")).round(3)
         frame.columns = [name.removesuffix("_m") + "_mm" for name in frame.columns]
-        frame.iloc[:: len(frame) // 30].to_csv(os.path.join(self.folder, "curl.csv"))
+        frame.iloc[:: len(frame) // 30].to_csv(self.in_folder("curl.csv"))
         with self.subTest("a spreadsheet opens the table"):
             for words in (["soffice", f"-env:UserInstallation=file://{self.folder}/office", "--headless",
                            "--convert-to", "pdf", "curl.csv"],

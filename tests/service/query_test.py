@@ -59,8 +59,8 @@ class Queries(QueryTest):
         self.assertEqual(ended.state, job_pb2.SUCCEEDED)
         self.assertLess(times[1], times[-1] / 2)
         self.assertEqual(self.jobs(), [])
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "jobs")), [])
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
+        self.assertEqual(os.listdir(self.in_folder("data", "jobs")), [])
+        self.assertEqual(os.listdir(self.in_folder("data", "check")), [])
 
     def test_the_answer_is_that_of_a_job(self):
         job = self.client.submit(fake_case("steps=30", mesh={"columns": 7}))
@@ -132,7 +132,7 @@ class Cancelling(QueryTest):
         _, steps, _ = parts(self.ask("steps=5", columns=14))
         self.assertEqual(len(steps), 5)
         self.assertEqual(self.jobs(), [])
-        until(lambda: os.listdir(os.path.join(self.folder, "data", "check")) == [], 1.0)
+        until(lambda: os.listdir(self.in_folder("data", "check")) == [], 1.0)
 
     def test_a_deadline_ends_it_too(self):
         self.refused(grpc.StatusCode.DEADLINE_EXCEEDED, self.ask, "steps=100000 sleep_ms=5",
@@ -175,7 +175,7 @@ class SeveralAtOnce(QueryTest):
                              timeout=10, check=True).stdout
         files = []
         for number in range(3):
-            files.append(os.path.join(self.folder, f"case{number}.toml"))
+            files.append(self.in_folder(f"case{number}.toml"))
             with open(files[-1], "w", encoding="utf-8") as file:
                 file.write(re.sub(r"(?m)^title = .*$", 'title = "steps=40 sleep_ms=25"', new))
                 file.write(f'\n[validity]\nmaximum_slip = "{7 + number} mm"\n')
@@ -298,7 +298,7 @@ class BesideAComparison(QueryTest):
                              capture_output=True, text=True, timeout=10, check=True).stdout
         files = []
         for number, title in enumerate(titles):
-            files.append(os.path.join(self.folder, f"compared{number}.toml"))
+            files.append(self.in_folder(f"compared{number}.toml"))
             with open(files[-1], "w", encoding="utf-8") as file:
                 file.write(re.sub(r"(?m)^title = .*$", f'title = "{title}"', new))
                 file.write(f'\n[validity]\nmaximum_slip = "{7 + number} mm"\n')

@@ -68,7 +68,7 @@ class RealRun(RealRunTest):
     def test_fetched_files_can_move_together(self):
         job_id = self.submit_case()
         self.finished_steps(job_id)
-        here, there = os.path.join(self.folder, "here"), os.path.join(self.folder, "there")
+        here, there = self.in_folder("here"), self.in_folder("there")
         os.mkdir(here)
         self.run_dccast("fetch", job_id, "-o", os.path.join(here, "run.h5"))
         os.rename(here, there)
@@ -86,9 +86,7 @@ class RealRun(RealRunTest):
             self.assertEqual(text.count(right), 1, right)
             text = text.replace(right, wrong)
 
-        path = os.path.join(self.folder, "faulty.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
+        path = self.write_file("faulty.toml", text)
         answer = json.loads(self.run_dccast("validate", "--json", path, code=2).stdout)
         self.assertEqual([fault["field"] for fault in answer["faults"]],
                          ["section.half_width", "alloy.coherency", "time.step", "monitor[1].name"])
@@ -121,7 +119,7 @@ class RealRun(RealRunTest):
         for number in range(2):
             job_id = self.submit_case("quality=draft")
             self.finished_steps(job_id)
-            folder = os.path.join(self.folder, str(number))
+            folder = self.in_folder(str(number))
             os.mkdir(folder)
             self.dccast("fetch", job_id, "-o", folder)
             folders.append((job_id, folder))
@@ -167,7 +165,7 @@ class RealRun(RealRunTest):
         job_id = self.submit_case("quality=draft", "time.end=20 s")
         self.finished_steps(job_id)
         self.assertEqual(self.client.job(job_id).quality, "draft")
-        path = os.path.join(self.folder, "results.h5")
+        path = self.in_folder("results.h5")
         with open(path, "wb") as file:
             for chunk in self.client.fetch(job_id):
                 file.write(chunk.data)
@@ -208,9 +206,7 @@ class RealRun(RealRunTest):
             text = shipped.read()
         monitors = "".join(f'[[monitor]]\nname = "{number} {"x" * 58}"\nx = "0 m"\ny = "0 m"\n'
                            for number in range(990))
-        path = os.path.join(self.folder, "large.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text + monitors)
+        path = self.write_file("large.toml", text + monitors)
         changes = ("mesh.columns=400", "mesh.rows=187", "mesh.growth_cell=1 mm",
                    "mechanics.enabled=false", "schedule.hold=0 s", "time.end=2 s",
                    "time.step=0.2 s", "schedule.casting_speed=50 mm/s")

@@ -23,7 +23,7 @@ class RealSteering(ServiceTest):
 
     def submit(self, columns=8):
         """A coarse thickness section in small steps: 800 of them in a second or two."""
-        path = os.path.join(self.folder, f"{columns}.toml")
+        path = self.in_folder(f"{columns}.toml")
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
         mesh = (f'[mesh]\ncolumns = {columns}\nrows = 22\nside_cell = "10 mm"\n'
@@ -43,7 +43,7 @@ class RealSteering(ServiceTest):
         return job_id
 
     def folder_of(self, job_id):
-        return os.path.join(self.folder, "data", "jobs", job_id)
+        return self.in_folder("data", "jobs", job_id)
 
     def results(self, job_id):
         """What a finished job leaves: every report bit by bit, and its files by their checksums."""
@@ -120,7 +120,7 @@ class RealSteering(ServiceTest):
             self.assertFalse(os.path.exists(self.folder_of(job_id)))
             for command in ("show", "watch", "fetch", "report", "delete", "resume"):
                 self.assertIn(f"there is no job {job_id}", self.dccast(command, job_id, code=5))
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "jobs")), [])
+        self.assertEqual(os.listdir(self.in_folder("data", "jobs")), [])
 
         self.daemon.terminate()
         self.restart()

@@ -2,7 +2,6 @@
 """The recipe of a start on the real solver: from drafts over candidates to the chosen case, the same again
 after the daemon was killed, and cancelled by an interruption."""
 import json
-import os
 import re
 import signal
 import subprocess
@@ -30,7 +29,7 @@ class Recipe(DataStudyCase):
 
     def test_from_drafts_to_the_chosen_case(self):
         path = self.case_file()
-        chosen, page = (os.path.join(self.folder, name) for name in ("chosen.toml", "page.html"))
+        chosen, page = (self.in_folder(name) for name in ("chosen.toml", "page.html"))
         screen = self.design(path, "-o", chosen, "--plot", page)
         self.assertRegex(screen, r"Recipe \d: \d+ ± \d+ % of castings end outside 0 to 100 mm")
         self.assertLessEqual(max(len(line) for line in screen.splitlines()), 120)

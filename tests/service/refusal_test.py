@@ -118,7 +118,7 @@ class LittleMemory(ServiceTest):
         case.mesh.columns, case.mesh.rows = 300, 300
         job = self.client.submit(case)
         ended = self.client.until_state(job.id, job_pb2.FAILED, seconds=60)
-        with open(os.path.join(self.folder, "data", "jobs", job.id, "worker.log"),
+        with open(self.in_folder("data", "jobs", job.id, "worker.log"),
                   encoding="utf-8") as file:
             self.assertEqual(ended.failure.kind, job_pb2.Finding.OUT_OF_MEMORY, file.read())
         self.assertIn("memory", ended.failure.message)
@@ -207,7 +207,7 @@ class OldStore(ServiceTest):
         job_id = self.client.submit(fake_case("steps=1")).id
         self.client.until_state(job_id, job_pb2.SUCCEEDED)
         self.daemon.terminate()
-        with open(os.path.join(self.folder, "data", "jobs.sqlite"), "r+b") as file:
+        with open(self.in_folder("data", "jobs.sqlite"), "r+b") as file:
             content = file.read()
             for page in range(4096, len(content), 4096):
                 # "corner", the monitor, stands in the two cases of the job only.

@@ -32,7 +32,7 @@ class Remedy(Client, ServiceTest):
         self.assertIn("dccast remedy computes what helps.", shown)
         self.assertNotRegex(shown, "(?i)(hold|cast|pour|use) (longer|slower|colder|less)")
 
-        page = os.path.join(self.folder, "remedy.html")
+        page = self.in_folder("remedy.html")
         screen = self.dccast("remedy", job, "--plot", page)
         # What the drafts refute is named.
         self.assertRegex(" ".join(screen.split()), r"shell_melted_through: of no help: .*?less water")

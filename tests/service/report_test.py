@@ -30,7 +30,7 @@ class Page(InBrowser):
 
     def show(self, page):
         self.complaints()  # those of the page before
-        self.browser.get("file://" + os.path.join(self.folder, page))
+        self.browser.get("file://" + self.in_folder(page))
 
     def drawn(self, page):
         """Opens a page and waits until all is drawn."""
@@ -74,7 +74,7 @@ class Reports(Page):
     def test_the_report_of_a_quarter_slab(self):
         job = self.cast("start-3d.toml", "time.end=20 s")
         self.dccast("report", job, "-o", "report.html")
-        self.assertLess(os.path.getsize(os.path.join(self.folder, "report.html")), 2_000_000)
+        self.assertLess(os.path.getsize(self.in_folder("report.html")), 2_000_000)
         self.drawn("report.html")
         for title in ("Curl against time", "Curl against cast length", "Casting speed", "Water", "Shell",
                       "Heat through each face", "Pull-in of the wide face"):
@@ -152,7 +152,7 @@ class FollowedCasting(Wall, Page):
         """Ends the record after so many readings, and opens the report. Returns its judgement."""
         self.append(job_id, follow_pb2.Reading(number=readings + 1, closes=True))
         self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
-        self.ended(self.dccast("report", job_id, "-o", os.path.join(self.folder, "report.html")))
+        self.ended(self.dccast("report", job_id, "-o", self.in_folder("report.html")))
         self.drawn("report.html")
         return self.client.ask("CompareRuns", runs=[judgement_pb2.ComparedRun(job=job_id)]).judgement
 

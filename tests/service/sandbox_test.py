@@ -40,7 +40,7 @@ class Sandbox(ServiceTest):
                             (resource.RLIMIT_FSIZE, 50e6), (resource.RLIMIT_CORE, 0)):
             self.assertEqual(resource.prlimit(process, which), (most, most))
 
-        folder = os.path.join(self.folder, "data", "jobs", job.id)
+        folder = self.in_folder("data", "jobs", job.id)
         with open(os.path.join(folder, "go"), "wb"):
             pass
         self.client.until_state(job.id, job_pb2.SUCCEEDED)

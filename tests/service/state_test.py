@@ -38,7 +38,7 @@ class StateTest(ServiceTest):
 
     def setUp(self):
         super().setUp()
-        self.data = os.path.join(self.folder, "data")
+        self.data = self.in_folder("data")
         self.store = os.path.join(self.data, "jobs.sqlite")
 
     def command(self, *words, data=None):
@@ -132,7 +132,7 @@ class LostStore(StateTest):
     def test_an_older_copy(self):
         first = self.client.submit(fake_case("steps=2"))
         self.client.until_state(first.id, SUCCEEDED)
-        copy = os.path.join(self.folder, "copy.sqlite")
+        copy = self.in_folder("copy.sqlite")
         with contextlib.closing(sqlite3.connect(self.store)) as store, \
              contextlib.closing(sqlite3.connect(copy)) as target:
             store.backup(target)
@@ -187,7 +187,7 @@ class OtherFormat(StateTest):
         folder = os.path.join(self.data, "jobs", job.id)
         self.other(os.path.join(folder, "description.bin"))
         self.refused(folder)
-        os.rename(folder, os.path.join(self.folder, "away"))
+        os.rename(folder, self.in_folder("away"))
         self.restart()
         self.client.until_state(self.client.submit(fake_case("steps=2")).id, SUCCEEDED)
 
@@ -353,7 +353,7 @@ class ReplacedFiles(StateTest):
                 self.assertEqual(code, 3)
                 self.assertIn(f"is a {kind}, not a regular file", said)
                 self.assertIn("--repair", said)
-                code, said = self.command("backup", "--to", os.path.join(self.folder, "copy"))
+                code, said = self.command("backup", "--to", self.in_folder("copy"))
                 self.assertIn("dccastd check --repair", said)
                 if kind == "folder":  # the others by the daemon itself
                     self.assertEqual(self.command("check", "--repair")[0], 0)
@@ -369,7 +369,7 @@ class ReplacedFiles(StateTest):
         for job in (replaced, other):
             self.client.until_state(job, SUCCEEDED)
         self.daemon.terminate()
-        saved = os.path.join(self.folder, "saved")
+        saved = self.in_folder("saved")
         shutil.copytree(self.data, saved)
         for name in ("events.log", "description.bin", "marks", "request", "accepted"):
             for kind, make in ENTRIES.items():
@@ -431,7 +431,7 @@ class ChangedResults(StateTest):
                              timeout=20)
         self.assertRegex(error.details(), "size|SHA-256")
 
-        report = os.path.join(self.folder, "report.html")
+        report = self.in_folder("report.html")
         shown = subprocess.run([*client, "report", job, "-o", report], capture_output=True,
                                text=True, timeout=60, check=False)
         self.assertIn("without a picture of the slab", shown.stderr)
@@ -461,7 +461,7 @@ class Backup(StateTest):
                 stop.wait(0.05)
             acknowledged = list(ids)
             deleted = self.client.until_state(ids[0], SUCCEEDED)
-            backup = os.path.join(self.folder, "backup")
+            backup = self.in_folder("backup")
             code, said = self.command("backup", "--to", backup)
             self.assertEqual(code, 0, said)
         finally:
@@ -476,11 +476,11 @@ class Backup(StateTest):
         self.restore(backup, acknowledged)
 
     def restore(self, backup, acknowledged):
-        restored = os.path.join(self.folder, "restored")
+        restored = self.in_folder("restored")
         code, said = self.command("restore", "--from", backup, data=restored)
         self.assertEqual(code, 0, said)
         self.assertEqual(self.command("check", "--deep", data=restored)[0], 0)
-        other = os.path.join(self.folder, "other")
+        other = self.in_folder("other")
         os.mkdir(other)
         self.daemon = Daemon(other, workers__count=4, data_directory=restored).start()
         self.client = self.new_client()
@@ -492,7 +492,7 @@ class Backup(StateTest):
 
     def test_a_backup_after_another_takes_room_for_what_is_new_alone(self):
         jobs = []
-        backups = [os.path.join(self.folder, name) for name in ("monday", "tuesday")]
+        backups = [self.in_folder(name) for name in ("monday", "tuesday")]
         for backup, words in zip(backups, ([], ["--earlier", backups[0]])):
             jobs.append(self.client.submit(fake_case("steps=3")).id)
             self.client.until_state(jobs[-1], SUCCEEDED)
@@ -504,16 +504,16 @@ class Backup(StateTest):
 
         # Each is whole without the other.
         shutil.rmtree(backups[0])
-        code, said = self.command("restore", "--from", backups[1], data=os.path.join(self.folder, "restored"))
+        code, said = self.command("restore", "--from", backups[1], data=self.in_folder("restored"))
         self.assertEqual(code, 0, said)
-        code, said = self.command("backup", "--to", os.path.join(self.folder, "next"), "--earlier", backups[0])
+        code, said = self.command("backup", "--to", self.in_folder("next"), "--earlier", backups[0])
         self.assertEqual(code, 4)
         self.assertIn("not a backup, or an incomplete one", said)
 
     def test_a_damaged_or_unfinished_backup_is_refused(self):
         job = self.client.submit(fake_case("steps=3"))
         self.client.until_state(job.id, SUCCEEDED)
-        backup = os.path.join(self.folder, "backup")
+        backup = self.in_folder("backup")
         self.assertEqual(self.command("backup", "--to", backup)[0], 0)
 
         code, said = self.command("backup", "--to", backup)
@@ -524,7 +524,7 @@ class Backup(StateTest):
         self.assertEqual(code, 4)  # a daemon has this data directory
 
         flip_bit(os.path.join(backup, "jobs", job.id, "results.h5"), 2)
-        fresh = os.path.join(self.folder, "fresh")
+        fresh = self.in_folder("fresh")
         code, said = self.command("restore", "--from", backup, data=fresh)
         self.assertEqual(code, 4)
         self.assertIn("results.h5 is damaged", said)

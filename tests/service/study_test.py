@@ -68,7 +68,7 @@ class RefinementStudy(ServiceTest):
                     if limit["curve"]["monitor"] == monitor)
 
     def case_file(self, more=()):
-        path = os.path.join(self.folder, "case.toml")
+        path = self.in_folder("case.toml")
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
         for pattern, other in (*COARSE, *more):
@@ -143,7 +143,7 @@ class RefinementStudy(ServiceTest):
 
     def check_results_file(self, found):
         for level in found["runs"]:
-            path = os.path.join(self.folder, "results.h5")
+            path = self.in_folder("results.h5")
             self.run_dccast("fetch", level["job"], "--force", "-o", path)
             with h5py.File(path) as file:
                 self.assertEqual(file["monitors/displacement_m"][-1, 0, 1],

@@ -303,6 +303,16 @@ class ServiceTest(unittest.TestCase):
         self.daemon.start()
         self.client = self.new_client()
 
+    def in_folder(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def write_file(self, name, text):
+        """Writes a file into the folder of the test. Returns its path."""
+        path = self.in_folder(name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
     def client_command(self, *words):
         return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
 

@@ -163,7 +163,7 @@ class Sweep(StudyTest):
         self.delete(study.id)
         self.refused(grpc.StatusCode.NOT_FOUND, self.study, study.id)
         self.assertEqual(self.jobs_of(study.id), [])
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "jobs")), [])
+        self.assertEqual(os.listdir(self.in_folder("data", "jobs")), [])
 
     def test_runs_that_failed_by_their_case_are_done_again_only_when_asked(self):
         study = self.create(fake_case(), {"title": ["steps=3", "steps=3 fail_at=2"]})
@@ -271,7 +271,7 @@ class Killed(StudyTest):
         before = self.until_ended(study.id)
         result = self.evaluate(study.id)
         self.daemon.terminate()
-        for file in glob.glob(os.path.join(self.folder, "data", "jobs.sqlite*")):
+        for file in glob.glob(self.in_folder("data", "jobs.sqlite*")):
             os.remove(file)
         self.restart()
         self.assertIn(f"study {study.id}: its row is made again", self.daemon.said())
@@ -285,9 +285,9 @@ class Killed(StudyTest):
         study = self.create(fake_case("steps=200 sleep_ms=10"), {"mesh.rows": range(1, 41)})
         until(lambda: self.study(study.id).running > 0, 20)
         dccastd = os.path.join(BIN, "dccastd")
-        copy, other = (os.path.join(self.folder, name) for name in ("copy", "other"))
+        copy, other = (self.in_folder(name) for name in ("copy", "other"))
         subprocess.run([dccastd, "backup", "--to", copy, "--set",
-                        "data_directory=" + os.path.join(self.folder, "data")],
+                        "data_directory=" + self.in_folder("data")],
                        capture_output=True, check=True)
         subprocess.run([dccastd, "restore", "--from", copy, "--set", "data_directory=" + other],
                        capture_output=True, check=True)
@@ -305,8 +305,7 @@ class Command(StudyTest):
     def case_file(self, title):
         with open(CASE, encoding="utf-8") as shipped:
             text = re.sub(r"^title = .*$", f'title = "{title}"', shipped.read(), flags=re.M)
-        with open(os.path.join(self.folder, "case.toml"), "w", encoding="utf-8") as file:
-            file.write(text)
+        self.write_file("case.toml", text)
         return "case.toml"
 
     def test_a_sweep_from_the_command_line(self):
@@ -317,12 +316,12 @@ class Command(StudyTest):
         self.assertIn("4 of 4 runs", ended.stderr)
         self.assertEqual(len(re.findall(r"^ *\d+  .*succeeded$", ended.stdout, re.M)), 4)
 
-        with open(os.path.join(self.folder, "out.csv"), encoding="utf-8") as file:
+        with open(self.in_folder("out.csv"), encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual([row["mesh.rows"] for row in rows], ["10", "20", "10", "20"])
         self.assertAlmostEqual(float(rows[2]["schedule.casting_speed_m_per_s"]), 1e-3, delta=1e-12)
 
-        with open(os.path.join(self.folder, "out.html"), encoding="utf-8") as file:
+        with open(self.in_folder("out.html"), encoding="utf-8") as file:
             page = file.read()
         # The curl against each key, and against both.
         self.assertEqual(page.count("data-kind='chart'"), 3)
@@ -345,7 +344,7 @@ class Command(StudyTest):
                             "--output", "out.h5")
         study = re.match(r"study ([0-9a-f-]+)", ended.stdout)[1]
         runs = self.evaluate(study, curves=True).runs
-        with h5py.File(os.path.join(self.folder, "out.h5")) as table:
+        with h5py.File(self.in_folder("out.h5")) as table:
             self.assertEqual(table.attrs["study"], study)
             self.assertEqual(table.attrs["state"], "succeeded")
             self.assertEqual(list(table["key"].asstr()), ["schedule.casting_speed", "mesh.rows"])
@@ -372,7 +371,7 @@ class Command(StudyTest):
         self.assertEqual(content[0], content[1])  # what a client goes on from after a cut
 
         self.run_dccast("studies", "fetch", study, "-o", "again.h5", code=2)
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
+        self.assertEqual(os.listdir(self.in_folder("data", "check")), [])
 
     def test_a_table_is_fetched_from_where_it_was_cut(self):
         study = self.create(fake_case("steps=50"), {"mesh.rows": range(1, 5)})
@@ -392,9 +391,8 @@ class Command(StudyTest):
 
     def test_a_sweep_file(self):
         self.case_file("steps=2")
-        with open(os.path.join(self.folder, "sweep.toml"), "w", encoding="utf-8") as file:
-            file.write('case = "case.toml"\ndesign = "latin_hypercube"\nruns = 5\n[[axis]]\n'
-                       'key = "schedule.casting_speed"\nvalues = ["40 mm/min", "80 mm/min"]\n')
+        self.write_file("sweep.toml", 'case = "case.toml"\ndesign = "latin_hypercube"\nruns = 5\n[[axis]]\n'
+                        'key = "schedule.casting_speed"\nvalues = ["40 mm/min", "80 mm/min"]\n')
         rows = list(csv.DictReader(io.StringIO(
             self.dccast("sweep", "sweep.toml", "--csv", "-"))))
         self.assertEqual(len(rows), 5)
@@ -431,7 +429,7 @@ class Predicted(StudyTest):
 
     def coarse_case(self):
         """The shipped thickness section for a short time, from the client's reader."""
-        path = os.path.join(self.folder, "case.toml")
+        path = self.in_folder("case.toml")
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
         for pattern, other in ((r"(?s)^\[mesh\].*?(?=^\[)",
@@ -508,7 +506,7 @@ class Predicted(StudyTest):
                          error)
         self.assertIn("mesh and steps mm", self.dccast("predict", study))
 
-        path = os.path.join(self.folder, "run.h5")
+        path = self.in_folder("run.h5")
         self.dccast("fetch", run["job"], "-o", path)
         with h5py.File(path) as file:
             self.assertEqual(file.attrs["relative_curl_error"], error)

@@ -104,7 +104,7 @@ class Day(Hands, AccessTest):
         self.web = subprocess.Popen(
             ["ip", "netns", "exec", server, os.path.join(BIN, "dccast-web"), "serve", "--listen", f"{SERVER}:443",
              "--certificate", certificate, "--key", ca.key, "--socket", self.daemon.address, "--state",
-             os.path.join(self.folder, "web")], stderr=subprocess.PIPE, text=True)
+             self.in_folder("web")], stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.web.stderr.close)
         self.addCleanup(self.web.wait, 10)
         self.addCleanup(self.web.terminate)
@@ -142,7 +142,7 @@ class Day(Hands, AccessTest):
         self.find("main p.answer", "since the block started")
         self.step("ended, with its answer")
 
-        folder = os.path.join(self.folder, "downloads")
+        folder = self.in_folder("downloads")
         os.makedirs(folder)
         self.chromium.execute_cdp_cmd("Browser.setDownloadBehavior",
                                       {"behavior": "allow", "downloadPath": folder})

@@ -22,7 +22,7 @@ class Uploads(ServiceTest):
     settings = {"workers__count": 1, "per_user__maximum_uploads": "2 GB"}
 
     def uploaded(self):
-        return os.listdir(os.path.join(self.folder, "data", "uploads"))
+        return os.listdir(self.in_folder("data", "uploads"))
 
     def resident(self):
         with open(f"/proc/{self.daemon.process.pid}/status", encoding="ascii") as file:
@@ -46,7 +46,7 @@ class Uploads(ServiceTest):
         job = self.client.submit(**case_with(named))
         self.daemon.kill_with_workers()
         self.restart()
-        path = os.path.join(self.folder, "data", "jobs", job.id, "attachments", "slab.msh")
+        path = self.in_folder("data", "jobs", job.id, "attachments", "slab.msh")
         with open(path, "rb") as file:
             self.assertEqual(file.read(), b"mesh")
         self.client.until_state(job.id, job_pb2.SUCCEEDED)
@@ -70,15 +70,14 @@ class Uploads(ServiceTest):
         def found():
             return self.client.ask("GetStudy", id=study.id)
         until(lambda: found().state == study_pb2.STUDY_SUCCEEDED, 20)
-        kept = os.path.join(self.folder, "data", "studies", study.id + ".attachments")
+        kept = self.in_folder("data", "studies", study.id + ".attachments")
         self.assertEqual(os.listdir(kept), ["slab.msh"])
         self.client.ask("DeleteStudy", id=study.id)
         self.assertFalse(os.path.exists(kept))
 
     def test_the_command_line_uploads_a_file_once(self):
-        path = os.path.join(self.folder, "slab.toml")
-        with open(os.path.join(self.folder, "slab.msh"), "w", encoding="ascii") as file:
-            file.write("mesh")
+        path = self.in_folder("slab.toml")
+        self.write_file("slab.msh", "mesh")
         with open(path, "w", encoding="utf-8") as file:
             file.write('title = "steps=1"\n[section]\nhalf_width = "0.25 m"\n'
                        'initial_depth = "5 cm"\n[time]\nend = "145 s"\n[mesh]\nfile = "slab.msh"\n'
