@@ -282,8 +282,7 @@ class RefinementStudy(ServiceTest):
 class Repair(ServiceTest):
     """Levels that are lost, on the fake worker: what is done again, and what is not."""
     settings = {"workers__count": 1, "workers__restarts": 0}
-    command, dccast, study = (RefinementStudy.command, RefinementStudy.dccast,
-                              RefinementStudy.study)
+    study = RefinementStudy.study
     case_file, begin_study = RefinementStudy.case_file, RefinementStudy.begin_study
     end, jobs_of = staticmethod(RefinementStudy.end), RefinementStudy.jobs_of
 
