@@ -25,23 +25,6 @@ double value_or_unknown(const Field& field, int index) {
   return index < field.size() ? field.Get(index) : unknown;
 }
 
-/// (run) one figure of each.
-template <class Figure>
-auto of_runs(const v1::StudyResult& result, Figure figure) {
-  std::vector<decltype(figure(v1::StudyRun()))> values;
-  for (const v1::StudyRun& run : result.runs()) values.push_back(figure(run));
-  return values;
-}
-
-/// (run, column) a figure of each run and column.
-template <class Figure>
-auto of_runs(const v1::StudyResult& result, int columns, Figure figure) {
-  std::vector<decltype(figure(v1::StudyRun(), 0))> values;
-  for (const v1::StudyRun& run : result.runs())
-    for (int i = 0; i < columns; ++i) values.push_back(figure(run, i));
-  return values;
-}
-
 /// The larger side of the band.
 double relative_curl_error(const v1::StudyRun& run) {
   if (!run.has_mesh_error()) return unknown;
@@ -49,48 +32,45 @@ double relative_curl_error(const v1::StudyRun& run) {
 }
 
 void add_runs(const v1::StudyResult& result, std::vector<results::FileColumn>& columns) {
-  const int keys = result.study().sweep().axes_size(), monitors = result.monitors_size();
-  const auto shape_with = [&](int width) {
-    return std::vector<std::size_t>{std::size_t(result.runs_size()), std::size_t(width)};
+  const auto add = [&](const char* object, const char* unit, const char* meaning, auto figure) {
+    std::vector<decltype(figure(v1::StudyRun()))> values;
+    for (const v1::StudyRun& run : result.runs()) values.push_back(figure(run));
+    columns.push_back({object, unit, meaning, std::move(values)});
   };
-  const auto text = [&](const char* object, const char* meaning, auto figure) {
-    columns.push_back({object, nullptr, meaning, of_runs(result, figure)});
+  // (run, `width`): one figure of each key or monitor
+  const auto add_matrix = [&](const char* object, const char* unit, const char* meaning, int width,
+                              auto figure) {
+    std::vector<decltype(figure(v1::StudyRun(), 0))> values;
+    for (const v1::StudyRun& run : result.runs())
+      for (int i = 0; i < width; ++i) values.push_back(figure(run, i));
+    const std::vector<std::size_t> shape{std::size_t(result.runs_size()), std::size_t(width)};
+    columns.push_back({object, unit, meaning, std::move(values), shape});
   };
-  const auto number = [&](const char* object, const char* unit, const char* meaning, auto figure) {
-    columns.push_back({object, unit, meaning, of_runs(result, figure)});
-  };
+  using Run = v1::StudyRun;
+  const int keys = result.study().sweep().axes_size();
 
-  text("/runs/job", "UUID of the job of each run", [](const auto& run) { return run.job(); });
-  text("/runs/state", "state of each run",
-       [](const auto& run) { return lower(v1::JobState_Name(run.state())); });
-  columns.push_back({"/runs/value", nullptr, "value of each key, as written",
-                     of_runs(result, keys,
-                             [](const auto& run, int i) {
-                               return i < run.values_size() ? run.values(i) : std::string();
-                             }),
-                     shape_with(keys)});
-  columns.push_back(
-      {"/runs/number", "SI", "the same as numbers",
-       of_runs(result, keys,
-               [](const auto& run, int i) { return value_or_unknown(run.numbers(), i); }),
-       shape_with(keys)});
+  add("/runs/job", nullptr, "UUID of the job of each run",
+      [](const Run& run) { return run.job(); });
+  add("/runs/state", nullptr, "state of each run",
+      [](const Run& run) { return lower(v1::JobState_Name(run.state())); });
+  add_matrix("/runs/value", nullptr, "value of each key, as written", keys,
+             [](const Run& run, int i) { return i < run.values_size() ? run.values(i) : ""; });
+  add_matrix("/runs/number", "SI", "the same as numbers", keys,
+             [](const Run& run, int i) { return value_or_unknown(run.numbers(), i); });
 
-  columns.push_back(
-      {"/runs/end_curl_m", "m", "curl at the end",
-       of_runs(result, monitors,
-               [](const auto& run, int i) { return value_or_unknown(run.end_curl_m(), i); }),
-       shape_with(monitors)});
-  number("/runs/relative_curl_error", "1", "discretisation error of a curl, relative to the curl",
-         relative_curl_error);
-  number("/runs/solver_s", "s", "processor time of the solver",
-         [](const auto& run) { return run.solver_s(); });
-  number("/runs/refinement", "1", "of a refinement study",
-         [](const auto& run) { return std::int32_t(run.refinement()); });
+  add_matrix("/runs/end_curl_m", "m", "curl at the end", result.monitors_size(),
+             [](const Run& run, int i) { return value_or_unknown(run.end_curl_m(), i); });
+  add("/runs/relative_curl_error", "1", "discretisation error of a curl, relative to the curl",
+      relative_curl_error);
+  add("/runs/solver_s", "s", "processor time of the solver",
+      [](const Run& run) { return run.solver_s(); });
+  add("/runs/refinement", "1", "of a refinement study",
+      [](const Run& run) { return run.refinement(); });
 
-  number("/runs/beyond_validity", "1", "1: beyond validity, the curl is not valid",
-         [](const auto& run) { return std::int32_t(run.beyond_validity()); });
-  text("/runs/failure", "why a run failed",
-       [](const auto& run) { return run.failure().message(); });
+  add("/runs/beyond_validity", "1", "1: beyond validity, the curl is not valid",
+      [](const Run& run) { return std::int32_t(run.beyond_validity()); });
+  add("/runs/failure", nullptr, "why a run failed",
+      [](const Run& run) { return run.failure().message(); });
 }
 
 /// All monitors of a run share the instants of its first curve.
