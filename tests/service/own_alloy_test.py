@@ -63,7 +63,8 @@ class OwnAlloy(CardTest):
         for text, fault in (("Time [s], density [kg/m3]\n", ":1: \"Time [s]\" is no temperature"),
                             ("T (C), densty (kg/m3)\n20, 2700\n", "unknown key"),
                             ("T (C), density (W)\n20, 2700\n", "is of another kind than kg/m3"),
-                            ("T (C), density (kg/m3)\n20, 2,7\n", ":2:")):
+                            ("T (C), density (kg/m3)\n20, 2,7\n", ":2:"),
+                            ("T (C), density (kg/m3)\n20, 2700\nwarm, 2690\n", ':3: "warm"')):
             table.write_text(text)
             self.assertIn(fault, self.dccast("alloys", "paper", "--table", str(table), code=2))
 
