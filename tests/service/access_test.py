@@ -16,13 +16,13 @@ import grpc
 
 from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
 from certificates import TestCa
-from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, setting_options
+from support import BIN, Client, Daemon, ServiceTest, connected, fake_case as fake, setting_options
 from waiting import until
 
 NOBODY = 65534
 
 
-class Remote:
+class Remote(Client):
     """A client over TLS as python3-grpc makes one: with a token, a certificate, or neither."""
 
     def __init__(self, daemon, token="", certificate=None):
