@@ -298,7 +298,7 @@ void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
       return;
     case v1::WorkerRequest::kWriteTable:
       return results::write_columns(request.write_table().path(),
-                                        translate::to_table(request.write_table().study()));
+                                    translate::to_table(request.write_table().study()));
     case v1::WorkerRequest::kSolve: {
       lower_priority(request.solve().nice());
       EventsToDaemon events(STDIN_FILENO);
