@@ -6,6 +6,7 @@ import socket
 
 from adoption import SUCCEEDED, AdoptionTest
 from support import BIN, main
+from waiting import until
 
 
 class Manager:

@@ -432,14 +432,11 @@ class ChangedResults(StateTest):
         self.assertRegex(error.details(), "size|SHA-256")
 
         report = self.in_folder("report.html")
-        shown = subprocess.run([*client, "report", job, "-o", report], capture_output=True,
-                               text=True, timeout=60, check=False)
-        self.assertIn("without a picture of the slab", shown.stderr)
+        shown = self.dccast("report", job, "-o", report, code=4)
+        self.assertIn("without a picture of the slab", shown)
         self.assertTrue(os.path.exists(report))
 
-        fetched = subprocess.run([*client, "fetch", job, "-o", report + ".h5"], capture_output=True,
-                                 text=True, timeout=60, check=False)
-        self.assertEqual((shown.returncode, fetched.returncode), (4, 4), fetched.stderr)
+        self.dccast("fetch", job, "-o", report + ".h5", code=4)
         # Histories are those of the event log.
         self.assertGreater(len(self.client.steps(job)), 5)
 
