@@ -14,6 +14,10 @@
 #include "dccast/v1/job.pb.h"
 #include "proto/case_file/source_map.hpp"
 
+namespace dccast::v1 {
+class Curve;
+}
+
 /// TOML with units <-> any message of the schema (Case, Alloy, DaemonConfig), by reflection over
 /// the (key) options of options.proto. Keys are field names without their unit suffix, quantities
 /// are strings with a unit, enums are lower-case value names.

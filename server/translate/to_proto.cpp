@@ -205,7 +205,7 @@ v1::Finding to_proto(const results::ValidityLoss& loss) {
   if (const auto kind = casting::failure_kind(loss.kind)) to.set_kind(to_proto(*kind));
   to.set_message(loss.message);
   to.set_time_s(loss.time);
-  fill(loss.place, to.mutable_place_m());
+  to.mutable_place_m()->Assign(loss.place.begin(), loss.place.end());
   to.set_value(loss.value);
   to.set_limit(loss.limit);
   to.set_unit(loss.unit);
@@ -219,7 +219,7 @@ v1::Finding to_proto(const results::Finding& finding) {
   to.set_severity(to_proto(finding.severity));
   to.set_message(finding.message);
   if (finding.time) to.set_time_s(*finding.time);
-  fill(finding.place, to.mutable_place_m());
+  to.mutable_place_m()->Assign(finding.place.begin(), finding.place.end());
   if (finding.value) to.set_value(*finding.value);
   if (finding.limit) to.set_limit(*finding.limit);
   to.set_unit(finding.unit);
@@ -229,7 +229,8 @@ v1::Finding to_proto(const results::Finding& finding) {
   if (!finding.worst) return to;
   to.mutable_worst()->set_time_s(finding.worst->time);
   to.mutable_worst()->set_value(finding.worst->value);
-  fill(finding.worst->place, to.mutable_worst()->mutable_place_m());
+  to.mutable_worst()->mutable_place_m()->Assign(finding.worst->place.begin(),
+                                                finding.worst->place.end());
   if (finding.certainty) to.set_certainty(to_proto(*finding.certainty));
   if (finding.lower_error) to.set_lower_error(*finding.lower_error);
   if (finding.upper_error) to.set_upper_error(*finding.upper_error);
