@@ -14,10 +14,6 @@
 #include "dccast/v1/job.pb.h"
 #include "proto/case_file/source_map.hpp"
 
-namespace dccast::v1 {
-class Curve;
-}
-
 /// TOML with units <-> any message of the schema (Case, Alloy, DaemonConfig), by reflection over
 /// the (key) options of options.proto. Keys are field names without their unit suffix, quantities
 /// are strings with a unit, enums are lower-case value names.
@@ -80,9 +76,6 @@ std::vector<v1::Fault> check_ranges(const google::protobuf::Message& message);
 
 /// Writes the keys that are present as a TOML file that reads back to the same message.
 std::string to_toml(const google::protobuf::Message& message);
-
-/// A table as the value of a key in such a text. @param unit  of its values
-std::string curve_text(const v1::Curve& curve, const std::string& unit);
 
 /// All keys that are present with their values as in a file, in the order of the schema. Tables are
 /// flattened: "monitor[0].x", "0.28 m".
