@@ -72,58 +72,79 @@ std::string toml_of(const std::vector<Column>& columns) {
   return text;
 }
 
-}  // namespace
+/// Reads the columns of a table line by line; the first line names them.
+class TableReader {
+public:
+  explicit TableReader(std::string name) : name_(std::move(name)) {}
 
-std::vector<std::string> read_alloy_table(std::istream& stream, const std::string& name,
-                                          v1::Alloy& card) {
+  void read(std::istream& stream) {
+    std::string line;
+    for (number_ = 1; std::getline(stream, line) && faults.empty(); ++number_) {
+      if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
+      if (is_utf16(line)) return fault(utf16_fault);
+      if (at_unit_.empty())
+        read_headings(line);
+      else
+        read_row(line);
+    }
+  }
+
   std::vector<Column> columns;
   std::vector<std::string> faults;
-  std::string at_unit, line;
-  char separator = ',';
-  const auto fault = [&](int number, const std::string& text) {
-    faults.push_back(fmt::format("{}:{}: {}", name, number, text));
-  };
-  const auto unit_of = [](const std::string& unit) { return unit == "C" ? "degC" : unit; };
 
-  for (int number = 1; std::getline(stream, line) && faults.empty(); ++number) {
-    if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
-    if (is_utf16(line)) fault(number, utf16_fault);
-    if (at_unit.empty()) {
-      separator = separator_of(line);
-      for (const std::string& cell : cells_of(line, separator)) {
-        const Heading heading = heading_of(cell).value_or(Heading{cell, ""});
-        if (!at_unit.empty())
-          columns.push_back({key_of(heading.name), unit_of(heading.unit), {}});
-        else if (case_file::convertible(unit_of(heading.unit), "degC"))
-          at_unit = unit_of(heading.unit);
-        else
-          return {
-              fmt::format("{}:{}: \"{}\" is no temperature; permitted in the first column: "
-                          "Temperature [degC]",
-                          name, number, cell)};
-      }
-      continue;
+private:
+  void fault(const std::string& text) {
+    faults.push_back(fmt::format("{}:{}: {}", name_, number_, text));
+  }
+
+  void read_headings(const std::string& line) {
+    const auto unit_of = [](const std::string& unit) { return unit == "C" ? "degC" : unit; };
+    separator_ = separator_of(line);
+    for (const std::string& cell : cells_of(line, separator_)) {
+      const Heading heading = heading_of(cell).value_or(Heading{cell, ""});
+      if (!at_unit_.empty())
+        columns.push_back({key_of(heading.name), unit_of(heading.unit), {}});
+      else if (case_file::convertible(unit_of(heading.unit), "degC"))
+        at_unit_ = unit_of(heading.unit);
+      else
+        return fault(fmt::format(
+            "\"{}\" is no temperature; permitted in the first column: Temperature [degC]", cell));
     }
+  }
 
-    const auto cells = cells_of(line, separator, columns.size() + 1);
+  void read_row(const std::string& line) {
+    const auto cells = cells_of(line, separator_, columns.size() + 1);
     if (cells.size() > columns.size() + 1)
-      fault(number,
-            fmt::format("has {} cells, and the first line {}", cells.size(), columns.size() + 1));
+      fault(fmt::format("has {} cells, and the first line {}", cells.size(), columns.size() + 1));
     for (std::size_t i = 0; i < cells.size() && i <= columns.size(); ++i) {
       if (i > 0 && cells[i].empty()) continue;  // not known there
       const auto value = number_in(cells[i]), at = number_in(cells[0]);
       if (!value)
-        fault(number, fmt::format("\"{}\" {}", cells[i], fault_of_number(cells[i])));
-      else if (i > 0)
-        columns[i - 1].points[case_file::convert(*at, at_unit, "degC").value()] = *value;
+        fault(fmt::format("\"{}\" {}", cells[i], fault_of_number(cells[i])));
+      else if (i > 0 && at)
+        columns[i - 1].points[case_file::convert(*at, at_unit_, "degC").value()] = *value;
     }
   }
-  if (!faults.empty()) return faults;
-  for (Column& column : columns)
+
+  const std::string name_;
+  int number_ = 0;  ///< of the line
+  char separator_ = ',';
+  std::string at_unit_;  ///< of the temperature; empty before the first line
+};
+
+}  // namespace
+
+std::vector<std::string> read_alloy_table(std::istream& stream, const std::string& name,
+                                          v1::Alloy& card) {
+  TableReader table(name);
+  table.read(stream);
+  if (!table.faults.empty()) return table.faults;
+  for (Column& column : table.columns)
     if (column.key == liquid_fraction) trim(column);
 
   v1::Alloy data;
-  const auto outcome = case_file::read_text(toml_of(columns), name, data);
+  std::vector<std::string> faults;
+  const auto outcome = case_file::read_text(toml_of(table.columns), name, data);
   for (const v1::Fault& each : outcome.faults)
     if (std::ranges::find(outcome.missing_keys, each.field()) == outcome.missing_keys.end())
       faults.push_back(fmt::format("{}: {}", name, case_file::describe(each, {})));

@@ -77,9 +77,6 @@ std::vector<v1::Fault> check_ranges(const google::protobuf::Message& message);
 /// Writes the keys that are present as a TOML file that reads back to the same message.
 std::string to_toml(const google::protobuf::Message& message);
 
-/// A table as the value of a key in such a text. @param unit  of its values
-std::string curve_text(const v1::Curve& curve, const std::string& unit);
-
 /// All keys that are present with their values as in a file, in the order of the schema. Tables are
 /// flattened: "monitor[0].x", "0.28 m".
 std::vector<std::pair<std::string, std::string>> key_values(

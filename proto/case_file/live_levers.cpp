@@ -10,6 +10,7 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
 #include "proto/case_file/schedule.hpp"
+#include "proto/case_file/schema.hpp"
 
 namespace dccast::case_file {
 namespace {

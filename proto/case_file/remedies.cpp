@@ -13,6 +13,7 @@
 #include "proto/case_file/quantity.hpp"
 #include "proto/case_file/recipe_numbers.hpp"
 #include "proto/case_file/schedule.hpp"
+#include "proto/case_file/schema.hpp"
 #include "proto/case_file/study_keys.hpp"
 
 namespace dccast::case_file {

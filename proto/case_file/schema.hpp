@@ -68,6 +68,8 @@ std::optional<double> number_of(const Message& message, const FieldDescriptor& f
 
 /// The table of a field that is_curve(); empty if the field is absent.
 v1::Curve curve_of(const Message& message, const FieldDescriptor& field);
+/// A table as the value of a key in a file. @param unit  of its values
+std::string curve_text(const v1::Curve& curve, const std::string& unit);
 
 /// Unit of an abscissa in UDUNITS-2 syntax, and its name in texts ("cast length").
 std::string abscissa_unit(v1::Abscissa abscissa);

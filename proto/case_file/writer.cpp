@@ -17,22 +17,6 @@ std::string real_text(double value, const std::string& unit) {
   return quoted(quantity_text(value, unit));
 }
 
-}  // namespace
-
-std::string curve_text(const v1::Curve& curve, const std::string& unit) {
-  if (curve.at_size() == 1 && curve.abscissa() == v1::ABSCISSA_UNSPECIFIED)
-    return real_text(curve.value(0), unit);
-
-  std::vector<std::string> points;
-  for (int i = 0; i < curve.at_size(); ++i)
-    points.push_back(fmt::format("[{}, {}]",
-                                 real_text(curve.at(i), abscissa_unit(curve.abscissa())),
-                                 real_text(curve.value(i), unit)));
-  return fmt::format("[{}]", fmt::join(points, ", "));
-}
-
-namespace {
-
 std::string value_text(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
 
@@ -176,6 +160,18 @@ void append(const Descriptor& descriptor, const std::string& parent,
 }
 
 }  // namespace
+
+std::string curve_text(const v1::Curve& curve, const std::string& unit) {
+  if (curve.at_size() == 1 && curve.abscissa() == v1::ABSCISSA_UNSPECIFIED)
+    return real_text(curve.value(0), unit);
+
+  std::vector<std::string> points;
+  for (int i = 0; i < curve.at_size(); ++i)
+    points.push_back(fmt::format("[{}, {}]",
+                                 real_text(curve.at(i), abscissa_unit(curve.abscissa())),
+                                 real_text(curve.value(i), unit)));
+  return fmt::format("[{}]", fmt::join(points, ", "));
+}
 
 KeyValues key_values(const Message& message) {
   KeyValues values;

@@ -61,11 +61,13 @@ void add_forecast_chart(const v1::ForecastCurl& gauge, const PastForecast& past,
 
 void add_forecast_table(const FollowedCasting& followed, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "forecast", "forecast against measured curl");
-  *table.add_columns() = text_column("gauge", "gauge");
-  *table.add_columns() = number_column("ahead", "ahead", "s", 1.0);
-  *table.add_columns() = number_column("forecasts", "forecasts", "", 1.0);
-  *table.add_columns() = number_column("error", "error", "m", 1e-5);
-  *table.add_columns() = number_column("inside", "in band", "1", 0.01);
+  add_columns(table, {
+                         text_column("gauge", "gauge"),
+                         number_column("ahead", "ahead", "s", 1.0),
+                         number_column("forecasts", "forecasts", "", 1.0),
+                         number_column("error", "error", "m", 1e-5),
+                         number_column("inside", "in band", "1", 0.01),
+                     });
   for (const PastForecast& past : followed.past)
     add_row(table, {text_cell(past.monitor), number_cell(past.ahead_s),
                     number_cell(static_cast<double>(past.time_s.size())),
@@ -88,10 +90,12 @@ void add_warnings(const v1::Forecast& forecast, v1::Judgement& judgement) {
   if (forecast.warnings().empty()) return;
   v1::Table& table =
       add_table(judgement, "warnings", "warnings of the forecast", v1::JudgementPart::PAGE);
-  *table.add_columns() = number_column("time", "time", "s", 1.0);
-  *table.add_columns() = text_column("gauge", "gauge");
-  *table.add_columns() = text_column("warning", "warning");
-  *table.add_columns() = text_column("causes", "likeliest");
+  add_columns(table, {
+                         number_column("time", "time", "s", 1.0),
+                         text_column("gauge", "gauge"),
+                         text_column("warning", "warning"),
+                         text_column("causes", "likeliest"),
+                     });
 
   for (const v1::ForecastWarning& warning : forecast.warnings())
     add_row(table, {number_cell(warning.time_s()), text_cell(warning.monitor()),
@@ -105,7 +109,7 @@ void add_poured(const FollowedCasting& followed, v1::Judgement& judgement) {
                                      {"measured", "measured, mean"},
                                      {"range", "least to most"},
                                      {"planned", "planned, mean"}})
-    *table.add_columns() = text_column(key, heading);
+    add_columns(table, {text_column(key, heading)});
   for (const levers::PouredLever& lever : followed.poured)
     add_row(table, {text_cell(lever.name), text_cell(lever.measured), text_cell(lever.range),
                     text_cell(lever.planned)});

@@ -48,11 +48,13 @@ void add_bottom(const v1::Frame& frame, const std::string& mark, v1::Judgement& 
                                               [](double pressure) { return pressure > 0.0; });
 
   v1::Table& table = add_table(judgement, "bottom", "gap under the butt", v1::JudgementPart::PAGE);
-  *table.add_columns() = number_column("largest_gap", "largest gap", "m", 1e-5);
-  *table.add_columns() = number_column("x", "at x", "m", 1e-3);
-  *table.add_columns() = number_column("y", "at y", "m", 1e-3);
-  *table.add_columns() = number_column("nodes_in_contact", "nodes on the block", "", 1.0);
-  *table.add_columns() = number_column("nodes", "nodes of the bottom", "", 1.0);
+  add_columns(table, {
+                         number_column("largest_gap", "largest gap", "m", 1e-5),
+                         number_column("x", "at x", "m", 1e-3),
+                         number_column("y", "at y", "m", 1e-3),
+                         number_column("nodes_in_contact", "nodes on the block", "", 1.0),
+                         number_column("nodes", "nodes of the bottom", "", 1.0),
+                     });
   add_row(table, {number_cell(*largest), number_cell(coordinate(frame, node, 0)),
                   number_cell(coordinate(frame, node, 1)), number_cell(double(contacts)),
                   number_cell(frame.bottom_node_size())});
@@ -98,14 +100,14 @@ std::vector<NamedRow> shown_rows(const frames::Contraction& face, const FaceRow&
 void add_pull_in_table(const std::vector<NamedRow>& rows, v1::Judgement& judgement) {
   v1::Table& table =
       add_table(judgement, "pull_in", "pull-in of the wide face", v1::JudgementPart::PAGE);
-  *table.add_columns() = text_column("place", "place");
+  add_columns(table, {text_column("place", "place")});
   for (const auto& [key, heading, resolution_m] : {std::tuple("height", "height", 1e-3),
                                                    {"x", "x", 1e-3},
                                                    {"mould", "mould", 1e-4},
                                                    {"slab", "slab", 1e-4},
                                                    {"pull_in", "pull-in", 1e-4}})
-    *table.add_columns() = number_column(key, heading, "m", resolution_m);
-  *table.add_columns() = number_column("share", "share", "1", 1e-3);
+    add_columns(table, {number_column(key, heading, "m", resolution_m)});
+  add_columns(table, {number_column("share", "share", "1", 1e-3)});
 
   for (const auto& [name, row] : rows) {
     const std::size_t last = row.points.size() - 1;

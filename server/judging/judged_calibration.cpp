@@ -193,12 +193,14 @@ std::string range_after(const v1::SweepPlan::Axis& axis, const Calibration::Key&
 
 void add_keys(const v1::StudyResult& result, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "keys", "the data after the measurement");
-  *table.add_columns() = text_column("name", "free key");
-  *table.add_columns() = text_column("range_before", "range before");
-  *table.add_columns() = text_column("value", "value");
-  *table.add_columns() = text_column("range_after", "5 to 95 % after");
-  *table.add_columns() = number_column("width_left", "width left", "1", 0.01);
-  *table.add_columns() = text_column("key", "");
+  add_columns(table, {
+                         text_column("name", "free key"),
+                         text_column("range_before", "range before"),
+                         text_column("value", "value"),
+                         text_column("range_after", "5 to 95 % after"),
+                         number_column("width_left", "width left", "1", 0.01),
+                         text_column("key", ""),
+                     });
 
   for (int i = 0; i < result.calibration().keys_size(); ++i) {
     const v1::SweepPlan::Axis& axis = result.study().sweep().axes(i);
@@ -231,11 +233,13 @@ void add_curves(const Calibration& calibration, const Quantity& quantity,
   v1::Table& table =
       add_table(judgement, quantity.table,
                 fmt::format("how the model follows the {} that were measured", quantity.names));
-  *table.add_columns() = text_column("measured", "measured");
-  *table.add_columns() = text_column("source", "in");
-  *table.add_columns() = text_column("readings", "readings");
+  add_columns(table, {
+                         text_column("measured", "measured"),
+                         text_column("source", "in"),
+                         text_column("readings", "readings"),
+                     });
   const auto add_figure = [&](const char* key, const char* heading, double resolution) {
-    *table.add_columns() = number_column(key, heading, quantity.unit, resolution);
+    add_columns(table, {number_column(key, heading, quantity.unit, resolution)});
   };
   add_figure("off_before", "before", quantity.resolution);
   add_figure("off_after", "after", quantity.resolution);

@@ -86,9 +86,9 @@ void add_keys(const Runs& runs, v1::Judgement& judgement) {
     return;
   }
 
-  *table.add_columns() = text_column("key", "key");
+  add_columns(table, {text_column("key", "key")});
   for (std::size_t run = 1; run <= runs.size(); ++run)
-    *table.add_columns() = text_column(fmt::format("run_{}", run), std::to_string(run));
+    add_columns(table, {text_column(fmt::format("run_{}", run), std::to_string(run))});
   for (const KeyDifference& row : keys) {
     v1::Table::Row& added = *table.add_rows();
     *added.add_cells() = text_cell(row.key);
@@ -173,15 +173,17 @@ void add_differences_table(const Runs& runs, const Differences& differences,
                            v1::Judgement& judgement) {
   static constexpr const char* sources[] = {"unknown", "table", "qualities"};
   v1::Table& table = add_table(judgement, "differences", "differences of the curl");
-  *table.add_columns() = text_column("monitor", "monitor");
-  *table.add_columns() = text_column("run", "run");
-  *table.add_columns() = curl_column("curl", "curl");
-  *table.add_columns() = text_column("at", "at");
-  *table.add_columns() = curl_column("difference", "less 1");
-  *table.add_columns() = curl_column("largest", "largest");
-  *table.add_columns() = text_column("largest_at", "at");
-  *table.add_columns() = text_column("verdict", "verdict");
-  *table.add_columns() = text_column("error_from", "");
+  add_columns(table, {
+                         text_column("monitor", "monitor"),
+                         text_column("run", "run"),
+                         curl_column("curl", "curl"),
+                         text_column("at", "at"),
+                         curl_column("difference", "less 1"),
+                         curl_column("largest", "largest"),
+                         text_column("largest_at", "at"),
+                         text_column("verdict", "verdict"),
+                         text_column("error_from", ""),
+                     });
   for (const int column : {2, 4}) table.mutable_columns(column)->set_has_error(true);
   for (const int column : {4, 5}) table.mutable_columns(column)->set_is_signed(true);
 

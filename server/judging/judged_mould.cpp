@@ -98,14 +98,16 @@ std::string reason_of(const v1::StudyRun& run) {
 /// Every run with its mould and how far its slab is off.
 void add_trials(const v1::StudyResult& result, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "trials", "");
-  *table.add_columns() = number_column("run", "run", "", 1.0);
-  *table.add_columns() = text_column("outcome", "outcome");
-  *table.add_columns() = text_column("break_points", "break points mm");
-  *table.add_columns() = text_column("half_openings", "half-openings mm");
-  *table.add_columns() = number_column("residual", "off flat", "m", shown_thickness_m);
-  *table.add_columns() = number_column("height", "at", "m", shown_place_m);
-  *table.add_columns() = text_column("job", "job");
-  *table.add_columns() = text_column("message", "");
+  add_columns(table, {
+                         number_column("run", "run", "", 1.0),
+                         text_column("outcome", "outcome"),
+                         text_column("break_points", "break points mm"),
+                         text_column("half_openings", "half-openings mm"),
+                         number_column("residual", "off flat", "m", shown_thickness_m),
+                         number_column("height", "at", "m", shown_place_m),
+                         text_column("job", "job"),
+                         text_column("message", ""),
+                     });
 
   std::vector<std::string> reasons;
   for (const v1::StudyRun& run : result.runs()) {
@@ -126,10 +128,12 @@ void add_trials(const v1::StudyResult& result, v1::Judgement& judgement) {
 
 void add_opening(const MouldFound& found, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "opening", "opening");
-  *table.add_columns() = number_column("break_point", "break point", "m", shown_place_m);
-  *table.add_columns() = number_column("half_opening", "half-opening", "m", shown_thickness_m);
-  *table.add_columns() = number_column("opening", "opening", "m", shown_thickness_m);
-  *table.add_columns() = number_column("over_wanted", "over wanted", "1", shown_share);
+  add_columns(table, {
+                         number_column("break_point", "break point", "m", shown_place_m),
+                         number_column("half_opening", "half-opening", "m", shown_thickness_m),
+                         number_column("opening", "opening", "m", shown_thickness_m),
+                         number_column("over_wanted", "over wanted", "1", shown_share),
+                     });
 
   const double wanted_m = found.wanted_half_thickness_m();
   for (int i = 0; i < found.x_m_size(); ++i) {
@@ -141,11 +145,13 @@ void add_opening(const MouldFound& found, v1::Judgement& judgement) {
 
 void add_cold_slab(const v1::MouldFace& face, double wanted_m, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "cold_slab", "predicted cold slab");
-  *table.add_columns() = number_column("x", "x", "m", 0.1 * shown_place_m);
-  *table.add_columns() = number_column("mould", "mould", "m", shown_thickness_m);
-  *table.add_columns() = number_column("cold_slab", "cold slab", "m", shown_thickness_m);
-  *table.add_columns() = number_column("over_wanted", "over wanted", "m", shown_thickness_m);
-  *table.add_columns() = number_column("pull_in", "pull-in", "1", shown_share);
+  add_columns(table, {
+                         number_column("x", "x", "m", 0.1 * shown_place_m),
+                         number_column("mould", "mould", "m", shown_thickness_m),
+                         number_column("cold_slab", "cold slab", "m", shown_thickness_m),
+                         number_column("over_wanted", "over wanted", "m", shown_thickness_m),
+                         number_column("pull_in", "pull-in", "1", shown_share),
+                     });
 
   for (int i = 0; i < face.x_m_size(); ++i) {
     const double mould_m = face.half_mould_m(i);

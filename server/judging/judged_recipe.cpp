@@ -100,20 +100,22 @@ void add_front(const v1::StudyResult& result, v1::Judgement& judgement) {
       add_table(judgement, "recipes",
                 fmt::format("recipes of least risk, curl of the {} at the cast length of the case",
                             found.monitor()));
-  *table.add_columns() = text_column("recipe", "no");
+  add_columns(table, {text_column("recipe", "no")});
   for (const Number& number : numbers)
     if (is_in(plan, number.name))
-      *table.add_columns() =
-          number_column(number.name, number.heading, number.unit, number.resolution);
+      add_columns(table,
+                  {number_column(number.name, number.heading, number.unit, number.resolution)});
   constexpr double resolution_m = 1e-4;  // no recipe is known better
-  *table.add_columns() = number_column("curl", "5..95 %", "m", resolution_m);
+  add_columns(table, {number_column("curl", "5..95 %", "m", resolution_m)});
   table.mutable_columns()->rbegin()->set_has_bars(true);
-  *table.add_columns() = number_column("risk", "risk", "1", 0.01);
+  add_columns(table, {number_column("risk", "risk", "1", 0.01)});
   table.mutable_columns()->rbegin()->set_has_error(true);
-  *table.add_columns() = number_column("lost", "lost", "", 1.0);
-  *table.add_columns() = number_column("casting_time", "time", "s", 1.0);
-  *table.add_columns() = number_column("full_curl", "full", "m", resolution_m);
-  for (const char* key : {"castings", "full_job"}) *table.add_columns() = text_column(key, "");
+  add_columns(table, {
+                         number_column("lost", "lost", "", 1.0),
+                         number_column("casting_time", "time", "s", 1.0),
+                         number_column("full_curl", "full", "m", resolution_m),
+                     });
+  for (const char* key : {"castings", "full_job"}) add_columns(table, {text_column(key, "")});
   table.set_note(
       "5..95 %: curl of 9 of 10 castings; lost: castings outside the band or with a danger; full: "
       "the run at full quality, \"out\" of the band or with a \"danger\"");

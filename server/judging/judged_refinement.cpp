@@ -72,12 +72,14 @@ void add_limit_chart(const v1::StudyResult& result, const v1::StudyResult::Limit
 /// What the curls tend to at the end, and where they are least certain.
 void add_limits(const v1::StudyResult& result, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "limits", "limits of the curls at the end");
-  *table.add_columns() = text_column("monitor", "monitor");
-  *table.add_columns() = number_column("order", "order", "", 0.01);
-  *table.add_columns() = number_column("limit", "limit", "m", shown_m);
+  add_columns(table, {
+                         text_column("monitor", "monitor"),
+                         number_column("order", "order", "", 0.01),
+                         number_column("limit", "limit", "m", shown_m),
+                     });
   table.mutable_columns(2)->set_has_error(true);
-  *table.add_columns() = number_column("largest_error", "largest error", "m", shown_m);
-  *table.add_columns() = number_column("at", "at", "s", 0.01);
+  add_columns(table, {number_column("largest_error", "largest error", "m", shown_m),
+                      number_column("at", "at", "s", 0.01)});
   if (result.has_valid_until_s())
     table.set_note(fmt::format(
         "beyond validity: from {:.2f} s on the model of at least one level is not valid",

@@ -347,22 +347,23 @@ void add_table_of(const Answer& answer, v1::Judgement& judgement) {
       judgement, "remedy_" + answer.finding.code(),
       answer.finding.code() + (figure.empty() ? "" : ": " + figure + ", its worst value"));
 
-  *table.add_columns() = text_column("change", "change");
+  add_columns(table, {text_column("change", "change")});
   const double shown = answer.error.value_or(std::abs(answer.before.value_or(1.0)) * 0.05);
-  *table.add_columns() =
-      number_column("figure", "worst", answer.figure == nullptr ? "" : unit_of(*answer.figure),
-                    shown > 0.0 ? std::pow(10.0, std::floor(std::log10(shown))) : 1e-5);
+  add_columns(table, {number_column(
+                         "figure", "worst", answer.figure == nullptr ? "" : unit_of(*answer.figure),
+                         shown > 0.0 ? std::pow(10.0, std::floor(std::log10(shown))) : 1e-5)});
   // Two digits of the smallest error, as in the sentences.
   double finest = 1e-4;
   for (const Effect& effect : answer.effects)
     if (effect.curl && figures::mm_decimals(effect.curl->error_m) > 1) finest = 1e-5;
-  *table.add_columns() = text_column("verdict", "difference");
-  *table.add_columns() = text_column("finding", "finding");
-  *table.add_columns() = number_column("curl_difference", "curl", "m", finest);
+  add_columns(table, {
+                         text_column("verdict", "difference"),
+                         text_column("finding", "finding"),
+                         number_column("curl_difference", "curl", "m", finest),
+                     });
   table.mutable_columns()->rbegin()->set_is_signed(true);
   table.mutable_columns()->rbegin()->set_has_error(true);
-  *table.add_columns() = text_column("raised", "raised");
-  *table.add_columns() = text_column("job", "");
+  add_columns(table, {text_column("raised", "raised"), text_column("job", "")});
 
   add_row(table,
           {text_cell("the case itself"), answer.before ? number_cell(*answer.before) : v1::Cell(),

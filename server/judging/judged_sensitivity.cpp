@@ -92,16 +92,18 @@ void add_effect_table(const v1::StudyResult& result, const std::string& key,
                       const std::vector<AxisEffect>& effects, double base_m,
                       v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, key, heading, place);
-  *table.add_columns() = text_column("kind", "kind");
-  *table.add_columns() = text_column("name", "key");
-  *table.add_columns() = text_column("range", "range");
+  add_columns(table, {
+                         text_column("kind", "kind"),
+                         text_column("name", "key"),
+                         text_column("range", "range"),
+                     });
   for (const char* end : {"low", "high"}) {
     v1::Table::Column& column = *table.add_columns();
     column = number_column(end, end, "m", shown_curl_m(base_m));
     column.set_is_signed(true);
     column.set_has_bars(true);
   }
-  *table.add_columns() = text_column("key", "");
+  add_columns(table, {text_column("key", "")});
 
   for (const AxisEffect& effect : effects) {
     const v1::SweepPlan::Axis& axis = result.study().sweep().axes(effect.axis);
@@ -114,10 +116,12 @@ void add_effect_table(const v1::StudyResult& result, const std::string& key,
 /// What the effects are differences to.
 void add_case_itself(const std::string& monitor, const Effects& found, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "case_itself", "the case itself", JudgementPart::PAGE);
-  *table.add_columns() = text_column("monitor", "monitor");
-  *table.add_columns() = number_column("curl", "curl at the end", "m", shown_curl_m(*found.base_m));
-  *table.add_columns() = number_column("difference_error", "error of a small difference", "m",
-                                       shown_curl_m(*found.base_m));
+  add_columns(table, {
+                         text_column("monitor", "monitor"),
+                         number_column("curl", "curl at the end", "m", shown_curl_m(*found.base_m)),
+                         number_column("difference_error", "error of a small difference", "m",
+                                       shown_curl_m(*found.base_m)),
+                     });
   add_row(table, {text_cell(monitor), number_cell(*found.base_m),
                   found.error_m ? number_cell(*found.error_m) : v1::Cell()});
 }

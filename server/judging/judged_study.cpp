@@ -82,29 +82,30 @@ double shown_end_curl_m(const v1::StudyResult& result, int monitor) {
 void add_run_columns(const v1::StudyResult& result, v1::Table& table) {
   const bool has_errors = std::ranges::any_of(
       result.runs(), [](const v1::StudyRun& run) { return !run.end_upper_error_m().empty(); });
-  *table.add_columns() = number_column("run", "run", "", 1.0);
+  add_columns(table, {number_column("run", "run", "", 1.0)});
 
   if (result.study().has_refinement()) {
-    *table.add_columns() = number_column("refinement", "refinement", "", 1.0);
-    *table.add_columns() = number_column("nodes", "nodes", "", 1.0);
+    add_columns(table, {number_column("refinement", "refinement", "", 1.0),
+                        number_column("nodes", "nodes", "", 1.0)});
   }
   if (result.study().has_levers()) {
-    *table.add_columns() = text_column("change", "change");
-    *table.add_columns() = number_column("from", "from", "s", 1.0);
+    add_columns(table, {text_column("change", "change"), number_column("from", "from", "s", 1.0)});
   }
 
   for (const auto& axis : result.study().sweep().axes())
-    *table.add_columns() = text_column(axis.key(), axis.key());
+    add_columns(table, {text_column(axis.key(), axis.key())});
   for (int monitor = 0; monitor < result.monitors_size(); ++monitor) {
     const std::string& name = result.monitors(monitor);
-    *table.add_columns() = number_column(name, name, "m", shown_end_curl_m(result, monitor));
+    add_columns(table, {number_column(name, name, "m", shown_end_curl_m(result, monitor))});
     table.mutable_columns()->rbegin()->set_has_error(has_errors);
   }
 
-  *table.add_columns() = number_column("findings", "findings", "", 1.0);
-  *table.add_columns() = number_column("solver", "solver", "s", 0.1);
-  *table.add_columns() = text_column("outcome", "outcome");
-  *table.add_columns() = text_column("job", "");
+  add_columns(table, {
+                         number_column("findings", "findings", "", 1.0),
+                         number_column("solver", "solver", "s", 0.1),
+                         text_column("outcome", "outcome"),
+                         text_column("job", ""),
+                     });
 }
 
 }  // namespace
@@ -151,10 +152,12 @@ void add_lost_runs(const v1::StudyResult& result, JudgementPart::Place place,
 
   v1::Table& table =
       add_table(judgement, "lost_runs", "runs that the figures do not rest on", place);
-  *table.add_columns() = number_column("run", "run", "", 1.0);
-  *table.add_columns() = text_column("values", "values");
-  *table.add_columns() = text_column("outcome", "outcome");
-  *table.add_columns() = text_column("message", "why");
+  add_columns(table, {
+                         number_column("run", "run", "", 1.0),
+                         text_column("values", "values"),
+                         text_column("outcome", "outcome"),
+                         text_column("message", "why"),
+                     });
   for (int i = 0; i < result.runs_size(); ++i) {
     const v1::StudyRun& run = result.runs(i);
     if (!is_lost(run)) continue;

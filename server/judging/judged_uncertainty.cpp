@@ -144,12 +144,14 @@ void add_history(const v1::Spread& spread, v1::Judgement& judgement) {
   v1::Table& table =
       add_table(judgement, "history", "curl of the " + spread.monitor(), JudgementPart::TERMINAL);
   const double resolution_m = shown_curl_m(last(spread.high_m()));
-  *table.add_columns() = number_column("time", "t", "s", 1.0);
-  *table.add_columns() = number_column("cast_length", "cast", "m", 1e-3);
-  *table.add_columns() = number_column("low", "5 %", "m", resolution_m);
-  *table.add_columns() = number_column("median", "50 %", "m", resolution_m);
-  *table.add_columns() = number_column("high", "95 %", "m", resolution_m);
-  *table.add_columns() = number_column("surface_error", "surface off by", "m", resolution_m);
+  add_columns(table, {
+                         number_column("time", "t", "s", 1.0),
+                         number_column("cast_length", "cast", "m", 1e-3),
+                         number_column("low", "5 %", "m", resolution_m),
+                         number_column("median", "50 %", "m", resolution_m),
+                         number_column("high", "95 %", "m", resolution_m),
+                         number_column("surface_error", "surface off by", "m", resolution_m),
+                     });
 
   // During the hold nothing curls.
   const auto& time_s = spread.time_s();
@@ -209,10 +211,12 @@ void add_shares(const v1::StudyResult& result, v1::Judgement& judgement) {
   constexpr int most_shares = 12;
   const v1::Spread& spread = result.spread();
   v1::Table& table = add_table(judgement, "shares", "what the variance at the end comes from");
-  *table.add_columns() = text_column("datum", "datum");
-  *table.add_columns() = text_column("range", "range");
-  *table.add_columns() = number_column("alone", "alone", "1", 0.01);
-  *table.add_columns() = number_column("with_others", "with others", "1", 0.01);
+  add_columns(table, {
+                         text_column("datum", "datum"),
+                         text_column("range", "range"),
+                         number_column("alone", "alone", "1", 0.01),
+                         number_column("with_others", "with others", "1", 0.01),
+                     });
   for (const int column : {2, 3}) table.mutable_columns(column)->set_has_error(true);
 
   const auto axes = axes_by_share_at_end(spread);

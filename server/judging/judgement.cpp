@@ -76,6 +76,10 @@ v1::Table::Column text_column(const std::string& key, const std::string& heading
   return column;
 }
 
+void add_columns(v1::Table& table, std::initializer_list<v1::Table::Column> columns) {
+  table.mutable_columns()->Add(columns.begin(), columns.end());
+}
+
 void add_row(v1::Table& table, std::initializer_list<v1::Cell> cells) {
   table.add_rows()->mutable_cells()->Add(cells.begin(), cells.end());
 }

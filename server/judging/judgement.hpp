@@ -50,6 +50,9 @@ v1::Table::Column number_column(const std::string& key, const std::string& headi
 /// A column of texts or codes, or of numbers that have their unit in the cell.
 v1::Table::Column text_column(const std::string& key, const std::string& heading);
 
+/// Adds columns behind those that the table has.
+void add_columns(v1::Table& table, std::initializer_list<v1::Table::Column> columns);
+/// Adds a row, with a cell for each column.
 void add_row(v1::Table& table, std::initializer_list<v1::Cell> cells);
 
 v1::Table& add_table(v1::Judgement& judgement, const std::string& key, const std::string& heading,

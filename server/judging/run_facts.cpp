@@ -18,7 +18,7 @@ using Step = v1::StepReport;
 v1::Table& add_facts(v1::Judgement& judgement, const std::string& key, const std::string& heading) {
   v1::Table& table = add_table(judgement, key, heading, v1::JudgementPart::PAGE);
   for (const char* const column : {"name", "value", "remark"})
-    *table.add_columns() = text_column(column, column);
+    add_columns(table, {text_column(column, column)});
   return table;
 }
 

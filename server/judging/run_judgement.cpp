@@ -265,8 +265,8 @@ void add_limit_column(const std::vector<MonitoredCurl>& curls, bool is_extrapola
 /// The curls at the end with their errors, and what finer meshes tend to.
 void add_curl_table(const std::vector<MonitoredCurl>& curls, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "curls", "curls at the end");
-  *table.add_columns() = text_column("monitor", "monitor");
-  *table.add_columns() = number_column("curl", "curl", "m", curl_resolution_m);
+  add_columns(table, {text_column("monitor", "monitor"),
+                      number_column("curl", "curl", "m", curl_resolution_m)});
   table.mutable_columns(1)->set_has_error(has_errors(curls));
 
   for (const MonitoredCurl& curl : curls)
@@ -278,12 +278,14 @@ void add_curl_table(const std::vector<MonitoredCurl>& curls, v1::Judgement& judg
 void add_end(const JudgedRun& run, bool is_beyond, v1::Judgement& judgement) {
   const v1::StepReport& last = run.steps.back();
   v1::Table& table = add_table(judgement, "end", "the last step");
-  *table.add_columns() = number_column("time", "time", "s", 0.1);
-  *table.add_columns() = number_column("cast_length", "cast length", "m", 1e-4);
-  *table.add_columns() = is_quarter(run)
+  add_columns(table, {
+                         number_column("time", "time", "s", 0.1),
+                         number_column("cast_length", "cast length", "m", 1e-4),
+                         is_quarter(run)
                              ? number_column("contact_area", "stands on the block", "m2", 1e-4)
-                             : number_column("contact_length", "stands on the block", "m", 1e-3);
-  *table.add_columns() = number_column("sump_depth", "sump depth", "m", 1e-3);
+                             : number_column("contact_length", "stands on the block", "m", 1e-3),
+                         number_column("sump_depth", "sump depth", "m", 1e-3),
+                     });
 
   const double contact = is_quarter(run) ? last.contact_area_m2() : last.contact_length_m();
   add_row(table, {number_cell(last.time_s()), number_cell(last.cast_length_m()),

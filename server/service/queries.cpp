@@ -57,9 +57,8 @@ v1::JobState state_of(RunEnd::Outcome outcome) {
 std::optional<Responses> answer_of_job(Context& context, const v1::Job& job) {
   Responses answer;
   try {
-    auto steps = read_steps(context, job.id());
-    if (!steps) return std::nullopt;
-    for (v1::StepReport& step : *steps) *answer.emplace_back().mutable_step() = std::move(step);
+    for (v1::StepReport& step : read_steps(context, job.id()))
+      *answer.emplace_back().mutable_step() = std::move(step);
   } catch (const std::exception& error) {
     log::warn("job {} cannot answer a query: {}", job.id(), error.what());
     return std::nullopt;

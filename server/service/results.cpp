@@ -70,31 +70,10 @@ void add_samples(Context& context, const v1::QueryResultRequest& request,
   if (request.samples() < least || request.samples() > most)
     refuse("samples is {}; permitted: 0, or {} to {}", request.samples(), least, most);
 
-  auto& kept = *response.mutable_steps();
-  std::size_t read = 0, stride = 1;
-  const auto keep = [&](v1::StepReport& step) {
-    if (read++ % stride != 0) return;
-    kept.Add(std::move(step));
-    if (kept.size() <= request.samples()) return;
-    // Too many: every other one goes, of those that follow, too.
-    stride *= 2;
-    for (int i = 0; 2 * i < kept.size(); ++i) kept.SwapElements(i, 2 * i);
-    kept.DeleteSubrange((kept.size() + 1) / 2, kept.size() / 2);
-  };
-
-  v1::QueryResultRequest next;
-  next.set_id(request.id());
-  v1::StepReport last;
-  do {
-    v1::QueryResultResponse page;
-    add_steps(context, next, page);
-    if (!page.steps().empty()) last = *page.steps().rbegin();
-    for (v1::StepReport& step : *page.mutable_steps()) keep(step);
-    next.set_page_token(page.next_page_token());
-  } while (!next.page_token().empty());
-  if (kept.empty() || kept.rbegin()->step() == last.step()) return;
-  if (kept.size() == request.samples()) kept.RemoveLast();
-  kept.Add(std::move(last));
+  const auto steps = context.step_indexes.of(request.id())
+                         ->samples(*context.scheduler.log(request.id()),
+                                   static_cast<std::size_t>(request.samples()));
+  response.mutable_steps()->Add(steps.begin(), steps.end());
 }
 
 void add_frame(Context& context, const Call& call, const v1::QueryResultRequest& request,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +22,8 @@ const v1::Artifact* artifact_of(const v1::Job& job, const std::string& name);
 v1::QueryResultResponse read_frame(Context& context, const Call& call, const v1::Job& job,
                                    const intake::FrameChoice& choice);
 
-/// All accepted steps of a job so far, each once. Empty if the run returned to a checkpoint while
-/// they were read. @throws std::exception  the event log cannot be read
-std::optional<std::vector<v1::StepReport>> read_steps(Context& context, const std::string& job);
+/// All accepted steps of a job so far, each once. @throws std::exception  the event log cannot be
+/// read
+std::vector<v1::StepReport> read_steps(Context& context, const std::string& job);
 
 }  // namespace dccast::service

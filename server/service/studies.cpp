@@ -220,11 +220,7 @@ std::vector<judging::JudgedRun> judged_runs(Context& context, const v1::StudyRes
     judging::JudgedRun& judged = runs.emplace_back();
     if (run.job().empty()) continue;
 
-    auto steps = read_steps(context, run.job());
-    if (!steps)
-      refuse(ErrorInfo::CHANGED_MEANWHILE, "job {} has gone back to a checkpoint; ask again",
-             run.job());
-    judged.steps = std::move(*steps);
+    judged.steps = read_steps(context, run.job());
     jobs::read_complete_case(context.jobs_directory / run.job(), judged.description);
   }
   return runs;

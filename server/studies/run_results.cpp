@@ -57,9 +57,8 @@ RunCurves RunResults::history_of(const v1::Job& job) {
   if (const auto kept = histories_.find(job.id())) return *kept;
 
   const auto log = state_.scheduler.log(job.id());
-  auto page = jobs::StepIndex().page(*log, {}, SIZE_MAX, SIZE_MAX);
-  const auto history = std::make_shared<const RunCurves>(
-      page ? run_curves(job, std::move(page->steps)) : RunCurves{});
+  auto page = jobs::StepIndex().page(*log, {}, SIZE_MAX, SIZE_MAX).value();
+  const auto history = std::make_shared<const RunCurves>(run_curves(job, std::move(page.steps)));
 
   // Only the history of an ended job cannot change any more.
   if (jobs::is_terminal(job.state())) histories_.keep(job.id(), history, history->bytes());

@@ -2,10 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -96,74 +93,6 @@ void add_monitors(const results::StepReport& report, const std::vector<casting::
       value->set_temperature_c(report.monitor_temperature[i]);
     case_file::add_curl(i < errors.size() ? errors[i] : std::nullopt, *value);
   }
-}
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-/// "SUCCEEDED" as "succeeded"; "STUDY_FAILED" as "failed".
-std::string lower(std::string name) {
-  const std::string prefix = "STUDY_";
-  if (name.starts_with(prefix)) name.erase(0, prefix.size());
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name;
-}
-
-/// Entry `index` of a field that may be shorter than the table's row.
-template <class Field>
-double value_or_unknown(const Field& field, int index) {
-  return index < field.size() ? field.Get(index) : unknown;
-}
-
-const v1::CurlCurve* find_curve(const v1::StudyRun& run, const std::string& monitor) {
-  const auto found = std::ranges::find(run.curves(), monitor, &v1::CurlCurve::monitor);
-  return found == run.curves().end() ? nullptr : &*found;
-}
-
-void add_values(const v1::StudyRun& run, results::StudyTable& table) {
-  for (int i = 0; i < static_cast<int>(table.key.size()); ++i) {
-    table.value.push_back(i < run.values_size() ? run.values(i) : "");
-    table.number.push_back(value_or_unknown(run.numbers(), i));
-  }
-  for (int i = 0; i < static_cast<int>(table.monitor.size()); ++i)
-    table.end_curl.push_back(value_or_unknown(run.end_curl_m(), i));
-}
-
-void add_curve(const v1::StudyRun& run, results::StudyTable& table) {
-  const int samples = run.curves_size() > 0 ? run.curves(0).time_s_size() : 0;
-  for (int i = 0; i < samples; ++i) {
-    table.time.push_back(run.curves(0).time_s(i));
-    table.cast_length.push_back(value_or_unknown(run.curves(0).cast_length_m(), i));
-    for (const std::string& monitor : table.monitor) {
-      const v1::CurlCurve* const curve = find_curve(run, monitor);
-      table.curl.push_back(curve ? value_or_unknown(curve->curl_m(), i) : unknown);
-    }
-  }
-  table.curve_start.push_back(static_cast<std::int64_t>(table.time.size()));
-}
-
-void add_findings(const v1::StudyRun& run, results::StudyTable& table) {
-  for (const v1::Finding& finding : run.findings()) {
-    table.finding_run.push_back(static_cast<std::int32_t>(table.runs()));
-    table.finding_code.push_back(finding.code());
-    table.finding_severity.push_back(lower(v1::Finding::Severity_Name(finding.severity())));
-    table.finding_time.push_back(finding.has_time_s() ? finding.time_s() : unknown);
-  }
-}
-
-void add_run(const v1::StudyRun& run, results::StudyTable& table) {
-  add_findings(run, table);  // counts the runs before this one
-  add_values(run, table);
-  add_curve(run, table);
-  table.job.push_back(run.job());
-  table.run_state.push_back(lower(v1::JobState_Name(run.state())));
-  // The table keeps the larger side of the band.
-  table.relative_curl_error.push_back(
-      run.has_mesh_error() ? std::max(run.mesh_error().lower(), run.mesh_error().upper())
-                           : unknown);
-  table.solver_seconds.push_back(run.solver_s());
-  table.refinement.push_back(run.refinement());
-  table.beyond_validity.push_back(run.beyond_validity() ? 1 : 0);
-  table.failure.push_back(run.failure().message());
 }
 
 v1::Finding to_finding(const casting::RunFailure& failure) {
@@ -276,7 +205,7 @@ v1::Finding to_proto(const results::ValidityLoss& loss) {
   if (const auto kind = casting::failure_kind(loss.kind)) to.set_kind(to_proto(*kind));
   to.set_message(loss.message);
   to.set_time_s(loss.time);
-  fill(loss.place, to.mutable_place_m());
+  to.mutable_place_m()->Assign(loss.place.begin(), loss.place.end());
   to.set_value(loss.value);
   to.set_limit(loss.limit);
   to.set_unit(loss.unit);
@@ -290,7 +219,7 @@ v1::Finding to_proto(const results::Finding& finding) {
   to.set_severity(to_proto(finding.severity));
   to.set_message(finding.message);
   if (finding.time) to.set_time_s(*finding.time);
-  fill(finding.place, to.mutable_place_m());
+  to.mutable_place_m()->Assign(finding.place.begin(), finding.place.end());
   if (finding.value) to.set_value(*finding.value);
   if (finding.limit) to.set_limit(*finding.limit);
   to.set_unit(finding.unit);
@@ -300,26 +229,12 @@ v1::Finding to_proto(const results::Finding& finding) {
   if (!finding.worst) return to;
   to.mutable_worst()->set_time_s(finding.worst->time);
   to.mutable_worst()->set_value(finding.worst->value);
-  fill(finding.worst->place, to.mutable_worst()->mutable_place_m());
+  to.mutable_worst()->mutable_place_m()->Assign(finding.worst->place.begin(),
+                                                finding.worst->place.end());
   if (finding.certainty) to.set_certainty(to_proto(*finding.certainty));
   if (finding.lower_error) to.set_lower_error(*finding.lower_error);
   if (finding.upper_error) to.set_upper_error(*finding.upper_error);
   return to;
-}
-
-results::StudyTable to_table(const v1::StudyResult& result) {
-  results::StudyTable table;
-  table.program_version = DCCAST_VERSION;
-  table.study = result.study().id();
-  table.title = result.study().title();
-  table.state = lower(v1::StudyState_Name(result.study().state()));
-
-  for (const auto& axis : result.study().sweep().axes()) table.key.push_back(axis.key());
-  table.monitor = {result.monitors().begin(), result.monitors().end()};
-
-  table.curve_start.push_back(0);
-  for (const v1::StudyRun& run : result.runs()) add_run(run, table);
-  return table;
 }
 
 }  // namespace dccast::translate

@@ -8,8 +8,8 @@
 #include "core/casting/case/case.hpp"
 #include "core/casting/case/case_check.hpp"
 #include "core/casting/simulation.hpp"
+#include "core/results/column_file.hpp"
 #include "core/results/frame.hpp"
-#include "core/results/study_table.hpp"
 #include "dccast/v1/case.pb.h"
 #include "dccast/v1/job.pb.h"
 #include "dccast/v1/service.pb.h"
@@ -70,8 +70,7 @@ v1::Finding to_proto(const results::ValidityLoss& loss);
 
 v1::Finding to_proto(const results::Finding& finding);
 
-/// Converts the runs of a study to a table. All monitors of a run share the instants of its first
-/// curve.
-results::StudyTable to_table(const v1::StudyResult& result);
+/// The runs of a study as a file of columns (docs/studies.md).
+results::ColumnFile to_table(const v1::StudyResult& result);
 
 }  // namespace dccast::translate

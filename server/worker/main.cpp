@@ -26,7 +26,7 @@
 #include "core/casting/forecast.hpp"
 #include "core/casting/simulation.hpp"
 #include "core/casting/stored_run.hpp"
-#include "core/results/study_table.hpp"
+#include "core/results/column_file.hpp"
 #include "core/storage/storage_error.hpp"
 #include "server/jobs/executors/precedence.hpp"
 #include "server/jobs/executors/worker_claim.hpp"
@@ -297,8 +297,8 @@ void fill(v1::WorkerAnswer& answer, const v1::WorkerRequest& request) {
       *answer.mutable_probed() = probe_frames(request.probe_frames());
       return;
     case v1::WorkerRequest::kWriteTable:
-      return results::write_study_table(request.write_table().path(),
-                                        translate::to_table(request.write_table().study()));
+      return results::write_columns(request.write_table().path(),
+                                    translate::to_table(request.write_table().study()));
     case v1::WorkerRequest::kSolve: {
       lower_priority(request.solve().nice());
       EventsToDaemon events(STDIN_FILENO);

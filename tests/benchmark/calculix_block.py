@@ -15,15 +15,19 @@ import argparse
 import json
 import math
 import os
+import pathlib
 import re
 import resource
 import shutil
 import statistics
 import subprocess
+import sys
 import tempfile
-import time
 
 import h5py
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from waiting import until
 
 STEPS = 145
 HOT = 600.0  # [degC] at the start, below the solidus
@@ -90,10 +94,9 @@ class Service:
         words = [word for item in settings.items() for word in ("--set", "%s=%s" % item)]
         with open(os.path.join(folder, "daemon.log"), "wb") as log:
             self.daemon = subprocess.Popen([os.path.join(self.bin, "dccastd"), *words], stderr=log)
-        while not os.path.exists(port):
-            if self.daemon.poll() is not None:
-                raise SystemExit("dccastd does not start, see " + folder)
-            time.sleep(0.02)
+        until(lambda: os.path.exists(port) or self.daemon.poll() is not None, 15)
+        if self.daemon.poll() is not None:
+            raise SystemExit("dccastd does not start, see " + folder)
         with open(port, encoding="ascii") as file:
             self.address = file.read().strip()
 

@@ -14,8 +14,9 @@ from certificates import TestCa, openssl_time
 from dccast.v1 import service_pb2, service_pb2_grpc
 from fault import Fault
 from oracle import must
-from scene import Scene, limit, pause
-from support import BIN, connected, setting_options, until
+from scene import Scene, limit
+from support import BIN, connected, setting_options
+from waiting import pause, until
 
 LONG = "steps=400 sleep_ms=10"
 
@@ -136,7 +137,7 @@ class ClientCertificateExpiresUnderWatch(RemoteFault):
         scene.client.cancel(job_id)
         scene.acknowledged.pop(job_id)  # that it goes on until then is seen by its state
         until(lambda: scene.ended(job_id), 20)
-        scene.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job_id), timeout=10)
+        scene.client.ask("DeleteJob", id=job_id)
 
 
 class ServerCertificateExpiresUnderWatch(RemoteFault):
@@ -159,7 +160,7 @@ class ServerCertificateExpiresUnderWatch(RemoteFault):
         token = self.enrol(scene, "anna")
         job_id = scene.submit(fake("steps=1200 sleep_ms=10"))
         watch = Watch(over_tls(scene, self.ca(scene), token), job_id)
-        time.sleep(6)
+        time.sleep(6)  # the certificate has expired by then
         with contextlib.suppress(grpc.RpcError):
             over_tls(scene, self.ca(scene), token).WhoAmI(service_pb2.WhoAmIRequest(), timeout=2)
             count.found("wrong", "an expired certificate was taken")
@@ -216,7 +217,7 @@ class SilentConnections(RemoteFault):
                         one = silent.enter_context(connected(address, timeout=2))
                         if number % 2:
                             one.sendall(self.greeting)
-            time.sleep(1.0)
+            time.sleep(1.0)  # a stranger's silence: nothing says that all of them count
             must(count, lambda: scene.connected().stub.WhoAmI(
                 service_pb2.WhoAmIRequest(), timeout=2).name, "a local user was shut out", 2)
             must(count, lambda: over_tls(scene, self.ca(scene), token).WhoAmI(

@@ -24,8 +24,8 @@ from certificates import TestCa
 from clients import memory_of
 from hostile import environment
 from oracle import must
-from scene import pause
 from support import BIN, SocketConnection
+from waiting import pause, turns, until
 
 SERVICE = "/dccast.v1.SimulationService/"
 ORIGIN = "https://dccast.test"
@@ -175,7 +175,7 @@ class Watcher(threading.Thread):
             except (OSError, http.client.HTTPException, struct.error, ValueError):
                 pass
             self.browser.close()
-            time.sleep(0.05)
+            time.sleep(0.05)  # the pace at which a page connects again
 
     def take(self, flags, answer):
         if flags != 2:
@@ -231,8 +231,7 @@ class KillAmidBrowsers(WebFault):
                    "attachments": [{"name": "slab.msh", "sha256": sha256, "size_bytes": len(content)}]}
         request["case"].setdefault("mesh", {})["file"] = "slab.msh"
 
-        end = time.monotonic() + self.longest
-        while time.monotonic() < end:
+        for _ in turns(self.longest, 0.05):
             with contextlib.suppress(OSError, http.client.HTTPException):
                 status, text = browser.ask("PUT", f"/attachments/{sha256}?name=slab.msh", content)
                 if status == 200:
@@ -244,7 +243,6 @@ class KillAmidBrowsers(WebFault):
                 if answer["code"] not in PASSING:
                     count.found("wrong", f"a request was refused: {answer}")
                     return None
-            time.sleep(0.05)
         count.found("wrong", "a request was not answered")
         return None
 
@@ -277,14 +275,13 @@ class KillDaemonBehindWeb(KillAmidBrowsers):
 
 def timed(seconds, acts):
     """How long each of the acts takes, done in turn, each as often first [s]."""
-    times, names, end = {name: [] for name in acts}, list(acts), time.monotonic() + seconds
-    while time.monotonic() < end:
+    times, names = {name: [] for name in acts}, list(acts)
+    for _ in turns(seconds, 0.02):
         for name in names:
             begin = time.monotonic()
             acts[name]()
             times[name].append(time.monotonic() - begin)
         names.reverse()
-        time.sleep(0.02)
     return times
 
 
@@ -409,8 +406,7 @@ def crowd(path, job, streams, senders, tokens):
     threads = [threading.Thread(target=watch, args=(number,), daemon=True) for number in range(streams)]
     for thread in threads:
         thread.start()
-    while len(opened) + len(faults) < streams:
-        time.sleep(0.05)
+    until(lambda: len(opened) + len(faults) >= streams, 120)
     senders = [threading.Thread(target=send, args=(number,)) for number in range(senders)]
     for thread in senders:
         thread.start()

@@ -1,4 +1,5 @@
 """Clients that ask too much, say nonsense, or do not go: nobody else notices."""
+import contextlib
 import os
 import resource
 import signal
@@ -11,8 +12,9 @@ from cases import REAL, coarse, fake
 from dccast.v1 import case_pb2, service_pb2
 from fault import Fault
 from oracle import all_jobs, must
-from scene import limit, pause, signal_process
+from scene import limit, signal_process
 from support import connected, start_ticks
+from waiting import pause, turns, until
 
 SERVICE = "/dccast.v1.SimulationService/"
 METHODS = ("ValidateCase", "SubmitJob", "GetJob", "ListJobs", "WatchJob", "CancelJob", "PauseJob",
@@ -59,14 +61,13 @@ class IdleConnections(Fault):
                 idle.append(connected(scene.daemon.address, timeout=1))
             except OSError:
                 break  # refused: that is one way to bound them
-        time.sleep(0.5)
+        time.sleep(0.5)  # nothing says that the daemon has taken them all
         return idle
 
     @staticmethod
     def wait_a_while(scene):
-        end = time.monotonic() + 3
-        while time.monotonic() < end and not all(map(scene.ended, scene.acknowledged)):
-            time.sleep(0.1)
+        with contextlib.suppress(AssertionError):
+            until(lambda: all(map(scene.ended, scene.acknowledged)), 3, every_s=0.1)
 
 
 class HeavyChecks(Fault):
@@ -94,15 +95,15 @@ class HeavyChecks(Fault):
     @staticmethod
     def ask_for_status(scene, calls, count):
         slowest = 0.0
-        end = time.monotonic() + 8
-        while time.monotonic() < end and not all(call.done() for call in calls):
+        for _ in turns(8, 0.05):
+            if all(call.done() for call in calls):
+                break
             begin = time.monotonic()
             try:
                 scene.info(timeout=10)
             except grpc.RpcError:
                 pass  # the time it took says it
             slowest = max(slowest, time.monotonic() - begin)
-            time.sleep(0.05)
         if slowest > ANSWER:
             count.found("wrong", f"a status took {slowest:.1f} s")
 

@@ -4,7 +4,8 @@ import os
 from cases import REAL, coarse, failing_check
 from fault import Fault
 from oracle import undisturbed
-from scene import Scene, pause, preloading
+from scene import Scene, preloading
+from waiting import pause
 
 
 class ClockJumps(Fault):

@@ -278,7 +278,7 @@ class StrangeFiles(Fault):
             with open(scene.data(name), "wb"):
                 pass
         scene.come_back()
-        if scene.client.stub.ListLines(line_pb2.ListLinesRequest(), timeout=5).lines:
+        if scene.client.ask("ListLines").lines:
             count.found("wrong", "a file in place of the lines has lines")
         for name in ("lines", "studies", "uploads"):
             if f"{scene.data(name)}.aside" not in scene.daemon.said():
@@ -315,7 +315,7 @@ class CastingKeptFromItsLine(Fault):
             if not there:
                 os.remove(scene.data("lines", "pit-3.bin"))
             scene.come_back()
-            line = scene.client.stub.GetLine(line_pb2.GetLineRequest(id="pit-3"), timeout=10)
+            line = scene.client.ask("GetLine", id="pit-3")
             if [each.job for each in line.castings] != [casting]:
                 count.found("lost", f"castings of the line: {[each.job for each in line.castings]}")
         scene.client.cancel(casting)
@@ -338,8 +338,7 @@ class DamageOfOneJob(Fault):
         scene.foreign_jobs.add(self.job)
         readings = [follow_pb2.Reading(number=number, time_s=-61.0 + number)
                     for number in range(1, 101)]
-        scene.client.stub.AppendReadings(
-            follow_pb2.AppendReadingsRequest(id=self.job, readings=readings), timeout=20)
+        scene.client.ask("AppendReadings", id=self.job, readings=readings)
         scene.client.until_step(self.job, 10)
         scene.kill_daemon()
 
@@ -361,7 +360,7 @@ class DamageOfOneJob(Fault):
             if ids[-1] is None:
                 count.found("wrong", f"{damaged}: a submission is refused: "
                             f"{scene.unsure[-1].refusal.details()}")
-            time.sleep(0.5)
+            time.sleep(0.5)  # the pace of the others
         must(count, lambda: all(map(scene.ended, filter(None, ids))),
              f"{damaged}: jobs of others do not end", self.longest)
         if held := scene.info().storage_fault:
@@ -433,8 +432,7 @@ class FlipResults(Damage):
         """A frame is refused; a report says that it goes without, and ends as a fetch does."""
         not_what_was_written = 4  # exit code, docs/commands.md
         try:
-            scene.client.stub.QueryResult(
-                service_pb2.QueryResultRequest(id=job_id, frame=True), timeout=20)
+            scene.client.ask("QueryResult", id=job_id, frame=True)
             count.found("wrong", "a frame of a damaged result was shown")
         except grpc.RpcError as error:
             if error.code() is not grpc.StatusCode.DATA_LOSS:

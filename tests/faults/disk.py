@@ -16,7 +16,8 @@ from cases import FAKE, fake
 from dccast.v1 import job_pb2, service_pb2
 from fault import Fault
 from oracle import Count, must
-from scene import Scene, limit, pause, preloading
+from scene import Scene, limit, preloading
+from waiting import pause, turns
 
 HELD = 10.0  # seconds until the queue must be seen to be held
 HOLDING = "steps=3000 checkpoint=1000 sleep_ms=5"  # while the queue fills up
@@ -132,19 +133,19 @@ class SlowDisk(Fault):
                    for job_id in (waiting[0], idle)]
         calls = {
             "GetJob": lambda: scene.client.job(ends),
-            "ListJobs": lambda: scene.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10),
+            "ListJobs": lambda: scene.client.ask("ListJobs"),
             # The first event of each: a later one may not have been made yet.
             "WatchJob of a job that runs": lambda: next(scene.client.watch(waiting[1])),
             "WatchJob of a job that ends": lambda: next(scene.client.watch(ends)),
         }
         slow = {}
-        end = time.monotonic() + 10
-        while time.monotonic() < end and not scene.ended(ends):
+        for _ in turns(10, 0.01):
+            if scene.ended(ends):
+                break
             for name, call in calls.items():
                 begin = time.monotonic()
                 call()
                 slow[name] = max(slow.get(name, 0.0), time.monotonic() - begin)
-            time.sleep(0.01)
         scene.heal()
         for cancel in cancels:
             cancel.result(timeout=20)
@@ -347,7 +348,7 @@ class PauseWriteFails(FailedOrder):
     wanted = job_pb2.PAUSED
 
     def order(self, scene, job_id):
-        scene.client.stub.PauseJob(service_pb2.PauseJobRequest(id=job_id), timeout=10)
+        scene.client.ask("PauseJob", id=job_id)
 
 
 class RefusedCancel(Fault):

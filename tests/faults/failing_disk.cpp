@@ -69,7 +69,7 @@ bool fails(char call, const char* path) {
   if (!below_the_folder(path, order) || !some_left(order.times, inode)) return false;
   if (order.error == 0) {  // a slow disk: the call takes its time and succeeds
     constexpr timespec delay{.tv_sec = 2, .tv_nsec = 0};
-    ::nanosleep(&delay, nullptr);
+    ::nanosleep(&delay, nullptr);  // see above
     errno = before;
     return false;
   }

@@ -11,7 +11,7 @@ from clients import ANSWER, memory_of
 from dccast.v1 import follow_pb2, job_pb2, service_pb2
 from fault import Fault
 from oracle import must
-from support import until
+from waiting import turns, until
 
 
 class BesideAFollower(Fault):
@@ -61,8 +61,7 @@ class FedFollower(BesideAFollower):
         for number in range(1, 10_000):
             reading = follow_pb2.Reading(number=number, time_s=-60.0 + number)
             with contextlib.suppress(grpc.RpcError):  # the casting has ended
-                client.stub.AppendReadings(
-                    follow_pb2.AppendReadingsRequest(id=self.follower, readings=[reading]), timeout=20)
+                client.ask("AppendReadings", id=self.follower, readings=[reading])
             if self.leaving.wait(0.1):
                 return
 
@@ -85,8 +84,7 @@ class EndlessRecord(Fault):
             readings = [follow_pb2.Reading(number=number + i, time_s=spacing_s * (number + i))
                         for i in range(1, 1001)]
             with contextlib.suppress(grpc.RpcError):
-                number = client.stub.AppendReadings(follow_pb2.AppendReadingsRequest(
-                    id=self.follower, readings=readings), timeout=20).number
+                number = client.ask("AppendReadings", id=self.follower, readings=readings).number
 
     def disturb(self, scene, count):
         leaving = threading.Event()
@@ -94,20 +92,18 @@ class EndlessRecord(Fault):
                    for spacing_s in (1e-7, 0.02)]
         for feeder in feeders:
             feeder.start()
-        slowest, end = 0.0, time.monotonic() + self.lasts
-        while time.monotonic() < end:
+        slowest = 0.0
+        for _ in turns(self.lasts, 0.05):
             begin = time.monotonic()
             scene.client.job(self.follower)
             scene.info(timeout=20)
             slowest = max(slowest, time.monotonic() - begin)
-            time.sleep(0.05)
         leaving.set()
         for feeder in feeders:
             feeder.join(30)
         job = scene.client.job(self.follower)
         peak = memory_of(scene.daemon.process.pid, "VmHWM")
-        number = scene.client.stub.AppendReadings(
-            follow_pb2.AppendReadingsRequest(id=job.id), timeout=20).number
+        number = scene.client.ask("AppendReadings", id=job.id).number
         count.measured("s", slowest)
         count.measured("readings", number)
         if number > self.most:

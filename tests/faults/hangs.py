@@ -3,13 +3,14 @@ import os
 import resource
 import signal
 
-from cases import FAKE, REAL, coarse, failing_check, fake
+from cases import REAL, coarse, failing_check, fake
 from disk import FailingDisk
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2
 from fault import Fault
 from oracle import must, undisturbed
-from scene import Scene, alive, at_some_step, pause, signal_process
-from support import BIN, SANITIZED, until
+from scene import Scene, alive, at_some_step, signal_process
+from support import SANITIZED
+from waiting import pause, until
 
 # Short times, and still long against a machine that does other things too.
 WATCHFUL = {"workers__heartbeat_interval": "0.2 s", "workers__heartbeat_timeout": "2 s",
@@ -101,8 +102,8 @@ class QueryTakenOver(Fault):
         case = fake(self.attack)
         case.time.end_s -= 1  # another one than the job's, whose answer is there
         case.mesh.file = "slab.msh"
-        query = scene.client.stub.QueryButtCurl(service_pb2.QueryButtCurlRequest(
-            case=case, attachments=[scene.client.upload("slab.msh", b"a mesh")]), timeout=30)
+        query = scene.client.ask("QueryButtCurl", case=case,
+                                 attachments=[scene.client.upload("slab.msh", b"a mesh")])
         next(query)
         until(lambda: os.listdir(scene.data("check")), 10)
         own = "check", os.listdir(scene.data("check"))[0]

@@ -1,7 +1,6 @@
 """Hostile peers: memory of the daemon, and how long another client waits, during and after each kind."""
 import contextlib
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -16,6 +15,7 @@ from dccast.v1 import service_pb2
 from hostile_peers import KINDS
 from http2 import DATA, END_HEADERS, END_STREAM, HEADERS, Peer, frame, text, upload_of, whole
 from oracle import must
+from waiting import turns
 
 MOST_MEMORY = 300e6
 WAYS = ("local", "over TLS without a token", "over TLS with a token")
@@ -73,13 +73,13 @@ class HostilePeers(RemoteFault):
         scene.client.cancel(self.long_job)
         scene.acknowledged.pop(self.long_job)
         must(count, lambda: scene.ended(self.long_job), "the job did not end", 30)
-        scene.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=self.long_job), timeout=10)
+        scene.client.ask("DeleteJob", id=self.long_job)
 
     def watch_others(self, scene, seconds, count, way):
         """Asks on both listeners, over an old and a new connection. Returns the slowest answer [s]."""
         before = [scene.client.stub, over_tls(scene, self.ca(scene), self.tokens["anna"])]
-        slowest, end = 0.0, time.monotonic() + seconds
-        while time.monotonic() < end:
+        slowest = 0.0
+        for _ in turns(seconds, 0.1):
             new = [scene.connected().stub, over_tls(scene, self.ca(scene), self.tokens["anna"])]
             for stub in before + new:
                 begin = time.monotonic()
@@ -91,7 +91,6 @@ class HostilePeers(RemoteFault):
                 slowest = max(slowest, time.monotonic() - begin)
             for _ in new:
                 scene.clients.pop().close()
-            time.sleep(0.1)
         return slowest
 
 
@@ -114,7 +113,7 @@ class UploadBesideStrangers(RemoteFault):
              str(self.before + self.lasts + 1.0), scene.daemon.tls_address, self.ca(scene)],
             env=environment())
         try:
-            time.sleep(self.before)
+            time.sleep(self.before)  # the strangers hold their requests by then
             self.upload(scene, count.tried)
         except OSError as error:
             count.found("wrong", f"{kind}: the upload was ended: {type(error).__name__}")
@@ -153,7 +152,7 @@ class StopUnderAttack(RemoteFault):
              os.path.join(os.path.dirname(__file__), "hostile_peers.py"), kind, str(self.lasts),
              scene.daemon.tls_address, self.ca(scene), self.token], env=environment())
         try:
-            time.sleep(self.before)
+            time.sleep(self.before)  # so long the peers send before it is to end
             begin = time.monotonic()
             code = scene.tell_daemon(signal.SIGTERM)
             taken = time.monotonic() - begin

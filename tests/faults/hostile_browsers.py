@@ -11,6 +11,7 @@ from browsers import ORIGIN, SERVICE, Browser, WebFault, json_of
 from cases import fake
 from clients import ANSWER, memory_of
 from scene import limit
+from waiting import turns
 
 MOST_MEMORY = 150e6
 LONG = "steps=100000 sleep_ms=100"
@@ -180,11 +181,9 @@ class HostileBodies(HostileBrowser):
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as peer:
             peer.connect(self.web.place)
             peer.sendall(begin)
-            end = time.monotonic() + 15.0
             with contextlib.suppress(OSError):
-                while time.monotonic() < end:
+                for _ in turns(15, 0.1):
                     peer.sendall(b"x")
-                    time.sleep(0.1)
                 return 200  # it was waited for
             return 0
 

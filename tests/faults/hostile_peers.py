@@ -17,6 +17,7 @@ import time
 from http2 import (ACK, CONTINUATION, DATA, END_HEADERS, END_STREAM, HEADERS, INITIAL_WINDOW_SIZE,
                    PING, PREFACE, PRIORITY, RST_STREAM, SETTINGS, WINDOW_UPDATE, Peer, frame, setting, text,
                    upload_of, whole)
+from waiting import turns, wait_for_clock
 
 EMPTY_MESSAGE = bytes(5)
 CANCEL = (8).to_bytes(4, "big")
@@ -277,13 +278,12 @@ KINDS = {
 
 
 def keep_on(kind, end, address, ca, token):
-    while time.monotonic() < end:
+    for _ in turns(end - time.monotonic(), 0.01):
         with contextlib.suppress(OSError):
             with contextlib.closing(Peer(address, None if kind.raw else ca, token, kind.settings,
                                          kind.greets, kind.acknowledges)) as peer:
                 while time.monotonic() < end:
                     kind.assault(peer)
-        time.sleep(0.01)
 
 
 def main():
@@ -295,7 +295,7 @@ def main():
     for _ in range(kind.connections):
         threading.Thread(target=keep_on, args=(kind, end, address, ca, token or ""),
                          daemon=True).start()
-    time.sleep(max(0.0, end - time.monotonic()))
+    wait_for_clock(end)
 
 
 if __name__ == "__main__":

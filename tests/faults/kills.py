@@ -10,8 +10,8 @@ import grpc
 from cases import COARSE, REAL, coarse, failing_check, fake, shipped
 from fault import Fault
 from oracle import undisturbed
-from scene import TIED, alive, at_some_step, pause, signal_process
-from support import until
+from scene import TIED, alive, at_some_step, signal_process
+from waiting import pause, until
 
 TINY = ("steps=3", "steps=25 checkpoint=7")
 

@@ -45,7 +45,7 @@ def set_up_imports(programs):
     os.environ["DCCAST_BIN"] = os.path.abspath(programs)
     beside = os.path.join(os.path.dirname(os.path.abspath(programs)), "python")
     built = beside if os.path.isdir(beside) else os.path.join(BUILD, "python")
-    sys.path += [os.path.join(ROOT, "tests", "service"), built]
+    sys.path += [os.path.join(ROOT, "tests", "service"), os.path.join(ROOT, "tests", "support"), built]
 
 
 def faults_of(family):

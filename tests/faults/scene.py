@@ -9,14 +9,14 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import time
 import uuid
 
 import grpc
 
 from cases import FAKE
-from dccast.v1 import job_pb2, service_pb2
-from support import BIN, TERMINAL, Client, Daemon, start_ticks, until
+from dccast.v1 import job_pb2
+from support import BIN, TERMINAL, Client, Daemon, start_ticks
+from waiting import pause, until
 
 # Whatever the harness starts dies with it, also when the harness is killed.
 TIED = ("setpriv", "--pdeathsig", "KILL")
@@ -181,7 +181,7 @@ class Scene:
                 if self.client.job(job_id).state == job_pb2.RUNNING]
 
     def info(self, timeout=5):
-        return self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=timeout)
+        return self.client.ask("GetServerInfo", timeout=timeout)
 
     def state_command(self, *words):
         """`dccastd check`, `backup` or `restore` of the folder; raises RuntimeError when it fails."""
@@ -243,11 +243,6 @@ def limit(process, which, soft):
     before = resource.prlimit(process, which)
     resource.prlimit(process, which, (soft, before[1]))
     return before[0]
-
-
-def pause(chance, most):
-    """A random time, so that what follows happens at a random instant."""
-    time.sleep(chance.uniform(0.0, most))
 
 
 def at_some_step(scene, job_id, last, meanwhile=lambda: None):

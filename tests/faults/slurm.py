@@ -3,13 +3,13 @@ import contextlib
 import os
 import shutil
 import signal
-import time
 
 from cases import fake
 from fault import Fault
-from scene import Scene, at_some_step, pause, signal_process
+from scene import Scene, at_some_step, signal_process
 from slurm_cluster import Cluster, missing_programs
-from support import until, work_of
+from support import work_of
+from waiting import pause, until
 
 RUNS = "steps=40 checkpoint=5 sleep_ms=20"
 
@@ -71,10 +71,9 @@ class OfSlurm(Fault):
         job of a crash on it. What has not ended by then is the oracle's to report."""
         def ended():
             scene.cluster.node_is_ready()
-            time.sleep(0.3)
             return all(scene.ended(job_id) for job_id in scene.acknowledged)
         with contextlib.suppress(AssertionError):
-            until(ended, self.patience)
+            until(ended, self.patience, every_s=0.3)
 
 
 class KillSlurmctld(OfSlurm):

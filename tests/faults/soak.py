@@ -9,12 +9,13 @@ import grpc
 
 from cases import REAL, coarse, failing_check
 from clients import memory_of
-from dccast.v1 import service_pb2, study_pb2
+from dccast.v1 import study_pb2
 from oracle import Count, judge, undisturbed
 from queries import varied
-from scene import TIED, at_some_step, pause, signal_process
+from scene import TIED, at_some_step, signal_process
 from studies import KilledStudy
 from support import BIN
+from waiting import pause
 
 
 class Soak(KilledStudy):
@@ -67,17 +68,16 @@ class Soak(KilledStudy):
                 signal_process(scene.chance.choice(workers), signal.SIGKILL)
         self.look(scene, count)
         count.add(judge(scene, self.patience))
-        scene.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(id=self.study.id), timeout=30)
+        scene.client.ask("DeleteStudy", id=self.study.id)
         for job_id in castings:
-            scene.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job_id), timeout=30)
+            scene.client.ask("DeleteJob", id=job_id)
         scene.acknowledged.clear()
 
     @staticmethod
     def ask(scene, count):
         """Two draft queries; the second is taken back on its way."""
         for last in (10 ** 6, scene.chance.randint(1, 200)):
-            call = scene.client.stub.QueryButtCurl(
-                service_pb2.QueryButtCurlRequest(case=varied(coarse(), count.tried)), timeout=60)
+            call = scene.client.ask("QueryButtCurl", case=varied(coarse(), count.tried))
             with contextlib.suppress(grpc.RpcError):
                 for answer in call:
                     if answer.step.step >= last:

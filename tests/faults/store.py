@@ -6,7 +6,7 @@ import subprocess
 from cases import fake
 from damage import OLD_STORE, Damage
 from fault import Fault
-from scene import pause
+from waiting import pause
 
 STORE = ("jobs.sqlite", "jobs.sqlite-wal", "jobs.sqlite-shm")
 

@@ -6,11 +6,11 @@ import threading
 import grpc
 
 from cases import FAKE, REAL, coarse, fake, own_mesh
-from dccast.v1 import follow_pb2, job_pb2, line_pb2, service_pb2, study_pb2
+from dccast.v1 import follow_pb2, job_pb2, study_pb2
 from fault import Fault
 from oracle import all_jobs, content_of_results
-from scene import Expected, pause, signal_process
-from support import until
+from scene import Expected, signal_process
+from waiting import pause, until
 
 ENDED = (study_pb2.STUDY_SUCCEEDED, study_pb2.STUDY_FAILED, study_pb2.STUDY_CANCELLED)
 
@@ -47,7 +47,7 @@ class KilledStudy(Fault):
         return True
 
     def now(self, scene):
-        return scene.client.stub.GetStudy(study_pb2.GetStudyRequest(id=self.study.id), timeout=10)
+        return scene.client.ask("GetStudy", id=self.study.id)
 
     def look(self, scene, count):
         until(lambda: self.now(scene).state in ENDED, self.patience)
@@ -60,8 +60,7 @@ class KilledStudy(Fault):
             if job.request_id not in requests:
                 continue  # the oracle finds what nobody asked for
             requests.remove(job.request_id)
-            answer = scene.client.stub.QueryResult(
-                service_pb2.QueryResultRequest(id=job.id), timeout=30)
+            answer = scene.client.ask("QueryResult", id=job.id)
             scene.acknowledged[job.id] = Expected(answer.case, None, job.request_id)
         for request in requests:
             count.found("lost", f"run {request} has no job")
@@ -187,15 +186,14 @@ class KillAmidCastings(KilledStudy):
 
     @staticmethod
     def feed(scene, job_id, readings):
-        return scene.client.stub.AppendReadings(
-            follow_pb2.AppendReadingsRequest(id=job_id, readings=readings), timeout=20)
+        return scene.client.ask("AppendReadings", id=job_id, readings=readings)
 
     def look(self, scene, count):
         self.feed_all(scene)
         self.send_files(scene)
         super().look(scene, count)
         self.judge_castings(scene, count)
-        line = scene.client.stub.GetLine(line_pb2.GetLineRequest(id="pit-3"), timeout=30)
+        line = scene.client.ask("GetLine", id="pit-3")
         on_line = [casting.job for casting in line.castings]
         if len(set(on_line)) < len(on_line):
             count.found("duplicated", f"castings on the line: {on_line}")

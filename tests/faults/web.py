@@ -13,7 +13,8 @@ from cases import fake
 from clients import ANSWER, memory_of
 from fault import Fault
 from scene import TIED
-from support import BIN, until
+from support import BIN
+from waiting import turns, until
 
 MOST_MEMORY = 150e6
 
@@ -75,13 +76,12 @@ class WebPeers(Fault):
 
     def assault(self, port, ask, count, name):
         """Returns the slowest page of an honest peer meanwhile [s]."""
-        end = time.monotonic() + self.lasts
-        peers = [threading.Thread(target=self.keep_on, args=(port, end), daemon=True)
+        peers = [threading.Thread(target=self.keep_on, args=(port,), daemon=True)
                  for _ in range(self.connections)]
         for peer in peers:
             peer.start()
         slowest = 0.0
-        while time.monotonic() < end:
+        for _ in turns(self.lasts, 0.1):
             begin = time.monotonic()
             try:
                 if not ask():
@@ -89,20 +89,18 @@ class WebPeers(Fault):
             except OSError as error:
                 count.found("wrong", f"{name}: no page: {error!r}")
             slowest = max(slowest, time.monotonic() - begin)
-            time.sleep(0.1)
         for peer in peers:
             peer.join(10)
         return slowest
 
-    def keep_on(self, port, end):
-        while time.monotonic() < end:
+    def keep_on(self, port):
+        end = time.monotonic() + self.lasts
+        for _ in turns(self.lasts, 0.2):
             with contextlib.suppress(OSError):
                 with socket.create_connection(("127.0.0.1", port), 2) as peer:
                     peer.sendall(self.begins)
-                    while time.monotonic() < end:
+                    for _ in turns(end - time.monotonic(), self.pause):
                         peer.sendall(self.goes_on)
-                        time.sleep(self.pause)
-            time.sleep(0.2)
 
 
 class EndlessHeaderLines(WebPeers):

@@ -6,7 +6,6 @@ import signal
 import socket
 import subprocess
 import tempfile
-import time
 
 from packages import run
 
@@ -97,12 +96,3 @@ class Unit:
         if self.process and self.process.poll() is None:
             self.process.kill()
             self.process.wait()
-
-
-def until(condition, seconds):
-    end = time.monotonic() + seconds
-    while not (found := condition()):
-        if time.monotonic() > end:
-            raise AssertionError("waited in vain")
-        time.sleep(0.1)
-    return found

@@ -10,8 +10,8 @@ import tempfile
 import tomllib
 import unittest
 
-from debian_root import until
 from packages import ROOT, made, run
+from waiting import until
 
 NAME = "dccast-test"
 CASE = "cases/start-2d-thickness.toml"

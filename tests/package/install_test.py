@@ -5,8 +5,9 @@ import shutil
 import tempfile
 import unittest
 
-from debian_root import DebianRoot, Unit, until
+from debian_root import DebianRoot, Unit
 from packages import ROOT, made
+from waiting import until
 
 CASE = "cases/start-2d-thickness.toml"
 LONG_CASE = "cases/start-3d.toml"  # runs longer than an upgrade takes

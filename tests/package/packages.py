@@ -2,8 +2,10 @@
 import os
 import pathlib
 import subprocess
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "tests/support"))
 BUILD = pathlib.Path(os.environ.get("DCCAST_BUILD", ROOT / "build/release"))
 
 

@@ -16,12 +16,13 @@ import grpc
 
 from dccast.v1 import access_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
 from certificates import TestCa
-from support import BIN, Daemon, ServiceTest, connected, fake_case as fake, setting_options, until
+from support import BIN, Client, Daemon, ServiceTest, connected, fake_case as fake, setting_options
+from waiting import until
 
 NOBODY = 65534
 
 
-class Remote:
+class Remote(Client):
     """A client over TLS as python3-grpc makes one: with a token, a certificate, or neither."""
 
     def __init__(self, daemon, token="", certificate=None):
@@ -70,8 +71,7 @@ class AccessTest(ServiceTest):
     def token_of(self, name, role="submitter"):
         secret = self.secret_of(self.admin("user", "add", name, "--role", role))
         with Remote(self.daemon) as client:
-            return client.stub.Enrol(
-                service_pb2.EnrolRequest(secret=secret, machine="desk"), timeout=10).token
+            return client.ask("Enrol", secret=secret, machine="desk").token
 
     def remote(self, token="", certificate=None):
         client = Remote(self.daemon, token, certificate)
@@ -296,10 +296,8 @@ class Owners(AccessTest):
         job = self.submit(self.local())
         until(lambda: self.local().GetJob(service_pb2.GetJobRequest(id=job.id),
                                           timeout=10).HasField("end_time"), 20)
-        done = subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "delete", job.id],
-            capture_output=True, text=True, timeout=30, check=False, user=NOBODY,
-            env={"HOME": "/nonexistent"})
+        done = subprocess.run(self.client_command("delete", job.id), capture_output=True, text=True,
+                              timeout=30, check=False, user=NOBODY, env={"HOME": "/nonexistent"})
         self.assertEqual(done.returncode, 5, done.stderr)
         self.assertIn("of root", done.stderr)
         self.local().DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
@@ -309,7 +307,7 @@ class Commands(AccessTest):
     """What an IT department types before and beside the daemon."""
 
     def test_what_reads_creates_nothing_and_names_the_folder(self):
-        data = os.path.join(self.folder, "absent")
+        data = self.in_folder("absent")
         for words in (["user", "list"], ["pki", "show"], ["audit"], ["check"]):
             done = subprocess.run([os.path.join(BIN, "dccastd"), *words, "--set",
                                    f"data_directory={data}"],
@@ -340,10 +338,9 @@ class Commands(AccessTest):
     def test_check_config_prints_all_faults(self):
         self.start()
         self.assertIn("no faults", self.admin("check-config"))
-        settings = os.path.join(self.folder, "wrong.toml")
-        with open(settings, "w", encoding="utf-8") as file:
-            file.write('worker.count = 4\njob_end_hook = "/nowhere"\n[listen]\ntls = "casthouse"\n'
-                       '[slurm]\noptions = "--clusters=big"\n[workers]\ncount = -3\n')
+        settings = self.write_file("wrong.toml", 'worker.count = 4\njob_end_hook = "/nowhere"\n'
+                                   '[listen]\ntls = "casthouse"\n'
+                                   '[slurm]\noptions = "--clusters=big"\n[workers]\ncount = -3\n')
         done = subprocess.run([os.path.join(BIN, "dccastd"), "check-config", "--config", settings],
                               capture_output=True, text=True, timeout=30, check=False)
         self.assertEqual(done.returncode, 2)
@@ -356,7 +353,7 @@ class Commands(AccessTest):
 
     def test_a_token_that_ends_soon_is_said_and_renewed(self):
         self.start(access__token_lifetime="10 days", listen__metrics="127.0.0.1:0")
-        home = os.path.join(self.folder, "home")
+        home = self.in_folder("home")
 
         def dccast(*words, given=""):
             return subprocess.run([os.path.join(BIN, "dccast"), *words], input=given, text=True,
@@ -426,7 +423,7 @@ class Certificates(AccessTest):
 
     def pair(self, name):
         def read(ending):
-            with open(os.path.join(self.folder, name + ending), "rb") as file:
+            with open(self.in_folder(name + ending), "rb") as file:
                 return file.read()
         return read(".key"), read(".pem")
 
@@ -503,7 +500,7 @@ class Audit(AccessTest):
 
 class LocalSocket(AccessTest):
     def test_the_users_of_a_unix_socket_are_known(self):
-        path = os.path.join(self.folder, "socket")
+        path = self.in_folder("socket")
         os.chmod(self.folder, 0o755)
         self.start(listen__socket="unix:" + path)
         self.assertEqual(self.daemon.address, "unix:" + path)
@@ -511,7 +508,7 @@ class LocalSocket(AccessTest):
         own = self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
         self.assertEqual((own.name, own.proof), (pwd.getpwuid(os.getuid()).pw_name, "local user"))
 
-        command = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "whoami"]
+        command = self.client_command("whoami")
         done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
         self.assertIn(own.name, done.stdout, done.stderr)
 
@@ -524,13 +521,13 @@ class LocalSocket(AccessTest):
         self.assertEqual(self.audit("--job", job.id)[0]["from"], "unix:")
 
     def test_a_socket_of_a_killed_daemon_is_replaced(self):
-        self.start(listen__socket="unix:" + os.path.join(self.folder, "socket"))
+        self.start(listen__socket="unix:" + self.in_folder("socket"))
         self.daemon.kill()
         self.daemon.end_workers()
         self.daemon.start()
         self.local().WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
         self.assertEqual(self.daemon.terminate(), 0)
-        self.assertFalse(os.path.exists(os.path.join(self.folder, "socket")))
+        self.assertFalse(os.path.exists(self.in_folder("socket")))
 
 
 CALLS_OF_WEB = """

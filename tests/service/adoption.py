@@ -4,7 +4,8 @@ import signal
 
 from dccast.v1 import job_pb2
 from rows import change_rows
-from support import ServiceTest, curve, fake_case, start_ticks, until
+from support import ServiceTest, curve, fake_case, start_ticks
+from waiting import until
 
 SUCCEEDED = job_pb2.SUCCEEDED
 
@@ -31,7 +32,7 @@ class AdoptionTest(ServiceTest):
         def change(job):
             for name, value in values.items():
                 setattr(job, name, value)
-        change_rows(os.path.join(self.folder, "data", "jobs.sqlite"), change, ahead)
+        change_rows(self.in_folder("data", "jobs.sqlite"), change, ahead)
 
     def let_go(self, job_id):
         """Of a run that waits, so that it does not end before the test is where it wants to be."""

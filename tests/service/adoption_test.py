@@ -9,7 +9,8 @@ import time
 from adoption import SUCCEEDED, AdoptionTest
 from dccast.v1 import job_pb2
 from real_run_test import RealRunTest, physics
-from support import BIN, curve, main, start_ticks, until
+from support import BIN, curve, main, start_ticks
+from waiting import until
 
 
 class KilledDaemon(AdoptionTest):
@@ -17,7 +18,7 @@ class KilledDaemon(AdoptionTest):
         expected = self.expected_curve()
         job_id, worker = self.running_job()
         self.daemon.kill()
-        time.sleep(0.2)  # in which it makes steps that nobody hears
+        time.sleep(0.2)  # in which it makes steps without a daemon
         self.restart()
         self.assertEqual(self.client.job(job_id).state, job_pb2.RUNNING)
         self.client.until_step(job_id, 20, seconds=4)
@@ -29,7 +30,7 @@ class KilledDaemon(AdoptionTest):
         job_id, worker = self.running_job()
         self.daemon.kill()
         with socket.socket(socket.AF_UNIX) as taken:
-            taken.bind(os.path.join(self.folder, "taken"))
+            taken.bind(self.in_folder("taken"))
             taken.listen()
             free = self.daemon.settings["listen__socket"]
             self.daemon.settings["listen__socket"] = f"unix:{taken.getsockname()}"
@@ -175,7 +176,7 @@ class KilledDaemon(AdoptionTest):
     def test_nothing_is_repaired_under_a_worker(self):
         job_id, worker = self.running_job()
         self.daemon.kill()
-        data = "data_directory=" + os.path.join(self.folder, "data")
+        data = "data_directory=" + self.in_folder("data")
         check = subprocess.run([os.path.join(BIN, "dccastd"), "check", "--repair", "--set", data],
                                capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual(check.returncode, 4)
@@ -187,7 +188,7 @@ class KilledDaemon(AdoptionTest):
         job_id, _ = self.running_job()
         for name in ("worker.lock", "events.log"):
             self.assertEqual(os.stat(self.job_file(job_id, name)).st_mode & 0o777, 0o600, name)
-        for path in (self.job_file(job_id, ""), os.path.join(self.folder, "data")):
+        for path in (self.job_file(job_id, ""), self.in_folder("data")):
             self.assertEqual(os.stat(path).st_mode & 0o777, 0o700, path)
         self.let_go(job_id)
         self.client.until_state(job_id, SUCCEEDED)
@@ -196,7 +197,7 @@ class KilledDaemon(AdoptionTest):
     def test_a_folder_that_is_gone_ends_its_worker(self):
         job_id, worker = self.running_job("steps=10000 sleep_ms=5")
         self.daemon.kill()
-        os.rename(self.job_file(job_id, ""), os.path.join(self.folder, "elsewhere"))
+        os.rename(self.job_file(job_id, ""), self.in_folder("elsewhere"))
         self.ends(worker)
 
 
@@ -205,7 +206,7 @@ class DataDirectory(AdoptionTest):
 
     def goes_on_in(self, name):
         self.daemon.terminate()
-        self.daemon.settings["data_directory"] = os.path.join(self.folder, name)
+        self.daemon.settings["data_directory"] = self.in_folder(name)
         self.restart()
         job_id, worker = self.running_job()
         self.daemon.kill()

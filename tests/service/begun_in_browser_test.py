@@ -7,11 +7,12 @@ from selenium.webdriver.common.by import By
 
 from dashboard_test import InBrowser
 from data_study import DATA, DataStudyCase
-from dccast.v1 import job_pb2, line_pb2, service_pb2, study_pb2
+from dccast.v1 import job_pb2, study_pb2
 from line_test import Casting
 from mould_test import slab_case
 from recipe_test import TWO_DATA
-from support import main, until
+from support import main
+from waiting import until
 from wall_test import Wall
 
 
@@ -48,13 +49,13 @@ class Begun(InBrowser):
         return self.browser.current_url.split("/")[-1]
 
     def study(self, study):
-        return self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10)
+        return self.client.ask("GetStudy", id=study)
 
     def cancel_study(self, study):
-        self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=30)
+        self.client.ask("CancelStudy", id=study)
 
     def case_of(self, job):
-        return self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job), timeout=20).case
+        return self.client.ask("QueryResult", id=job).case
 
 
 class Recipes(DataStudyCase, Begun):
@@ -67,7 +68,7 @@ class Recipes(DataStudyCase, Begun):
         until(lambda: self.study(study).state == study_pb2.STUDY_SUCCEEDED, 280)
         self.wait_for("answered", "main p[role=status]")
 
-        found = self.client.stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(id=study), timeout=30).recipe
+        found = self.client.ask("EvaluateStudy", id=study).recipe
         self.wait_for(f"Recipe {found.chosen + 1}: ", "#answer")
         self.press(f"Take recipe {found.chosen + 1}, the chosen one")
         self.press("Queue as a job", "#found")
@@ -134,7 +135,7 @@ class Moulds(Begun):
 
 class Lines(DataStudyCase, Begun):
     def castings(self):
-        return self.client.stub.GetLine(line_pb2.GetLineRequest(id="pit-3"), timeout=10).castings
+        return self.client.ask("GetLine", id="pit-3").castings
 
     def type_casting(self, **words):
         for key, text in words.items():
@@ -149,7 +150,7 @@ class Lines(DataStudyCase, Begun):
         study = self.dccast("uncertainty", path, "--runs", "16", "--no-wait", *only).strip()
         until(lambda: self.study(study).state == study_pb2.STUDY_SUCCEEDED, 120)
         with open(path, encoding="utf-8") as file:
-            case = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=20).case
+            case = self.client.ask("ReadCase", text=file.read()).case
         recipe = self.client.submit(case).id
 
         self.go("lines")
@@ -201,9 +202,9 @@ class Waiting(DataStudyCase, Begun):
     def test_a_job_waits_for_another(self):
         path = self.case_file()
         with open(path, encoding="utf-8") as file:
-            case = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=20).case
+            case = self.client.ask("ReadCase", text=file.read()).case
         first = self.client.submit(case).id
-        self.client.stub.PauseJob(service_pb2.PauseJobRequest(id=first), timeout=20)
+        self.client.ask("PauseJob", id=first)
         self.open_case(path)
         self.wait_for(first[:8], "#after")
         self.find(f"#after option[value='{first}']").click()

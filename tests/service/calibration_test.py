@@ -3,16 +3,15 @@
 on screen, as JSON, as a page and as a case that is valid; bad measurements; a daemon and a client that are
 killed."""
 import json
-import os
 import random
 import re
 import signal
 import subprocess
 import unittest
 
-from dccast.v1 import judgement_pb2
 from data_study import DataStudyCase
-from support import BIN, SANITIZED, main, until
+from support import SANITIZED, main
+from waiting import until
 
 FREE = ("--free", "schedule.casting_temperature=± 10 K",
         "--free", "cooling.bottom_block.contact_coefficient=0.6..1.6 times")
@@ -30,16 +29,13 @@ class Calibration(DataStudyCase):
         for time_s, curl_m in list(zip(answer["time_s"], corner["curl_m"]))[::every]:
             if curl_m is not None:
                 lines.append(f"{time_s}, {1e3 * curl_m + noise.gauss(0.0, 5e-3)}")
-        path = os.path.join(self.folder, name)
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("\n".join([*more, *lines]) + "\n")
-        return path
+        return self.write_file(name, "\n".join([*more, *lines]) + "\n")
 
     @unittest.skipIf(SANITIZED, "the client waits 60 s for an answer, and this daemon takes longer")
     def test_hidden_values_are_found_again(self):
         path = self.case_file()
         measured = self.measured(path)
-        page, output = (os.path.join(self.folder, name) for name in ("page.html", "calibrated.toml"))
+        page, output = (self.in_folder(name) for name in ("page.html", "calibrated.toml"))
         answer = json.loads(self.dccast("calibrate", path, "--measured", measured, *FREE, "--runs", "16",
                                         "--json", "--plot", page, "-o", output))
         keys = answer["calibration"]["keys"]
@@ -54,8 +50,7 @@ class Calibration(DataStudyCase):
         self.assertIn("check_error", curve)  # true runs have checked it
         self.assertGreater(answer["calibration"]["runs"][0], 16)
         # Asked for by its id alone, the server finds the further runs too.
-        judged = self.client.stub.JudgeStudy(
-            judgement_pb2.JudgeStudyRequest(id=answer["study"]["id"]), timeout=60).judgement
+        judged = self.client.ask("JudgeStudy", id=answer["study"]["id"]).judgement
         self.assertEqual(answer["judgement"]["sentences"], list(judged.sentences))
         self.assertEqual(keys[0]["key"], "schedule.casting_temperature.offset")
         self.assertEqual(keys[0]["unit"], "K")
@@ -97,7 +92,7 @@ class Calibration(DataStudyCase):
 
     def test_bad_measurements_name_file_line_and_column(self):
         path = self.case_file()
-        measured = os.path.join(self.folder, "bad.csv")
+        measured = self.in_folder("bad.csv")
         for text, fault in (("time [s], curl corner [mm]\n1, 2\n2, three\n", "bad.csv:3:2: \"three\" is no number"),
                            ("time, curl corner [mm]\n", "bad.csv:1:1: \"time\" has no unit"),
                            ("time [s], edge [mm]\n", "is no monitor of the case; permitted: corner")):
@@ -115,9 +110,8 @@ class Calibration(DataStudyCase):
         measured = self.measured(path)
         words = ("calibrate", path, "--measured", measured, *FREE, "--runs", "12")
         study = self.dccast(*words, "--no-wait").strip()
-        client = subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                   "calibrate", "--study", study], stdout=subprocess.DEVNULL,
-                                  stderr=subprocess.PIPE, text=True)
+        client = subprocess.Popen(self.client_command("calibrate", "--study", study),
+                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         until(lambda: "of 12 runs" in client.stderr.readline(), 30)
         client.send_signal(signal.SIGKILL)
         client.wait()

@@ -2,12 +2,11 @@
 """Comparisons: jobs and answers of queries, judged by the server."""
 import json
 import os
-import subprocess
 
 import grpc
 
 from dccast.v1 import job_pb2, judgement_pb2, service_pb2
-from support import BIN, ServiceTest, fake_case, main
+from support import ServiceTest, fake_case, main
 
 
 def question(title, columns):
@@ -35,9 +34,8 @@ class Comparisons(ServiceTest):
         return job.id
 
     def compare(self, *runs, **rest):
-        return self.client.stub.CompareRuns(
-            judgement_pb2.CompareRunsRequest(runs=[judgement_pb2.ComparedRun(**run) for run in runs],
-                                             **rest), timeout=20)
+        return self.client.ask("CompareRuns", runs=[judgement_pb2.ComparedRun(**run) for run in runs],
+                               **rest)
 
     def test_a_job_and_an_answer_are_compared(self):
         comparison = self.compare({"job": self.finished_job()},
@@ -102,29 +100,22 @@ class Comparisons(ServiceTest):
                      {"job": waiting.id})
 
     def test_a_file_with_a_long_name_is_compared(self):
-        folder = os.path.join(self.folder, *(["a-folder-with-a-rather-long-name"] * 8))
+        folder = self.in_folder(*(["a-folder-with-a-rather-long-name"] * 8))
         os.makedirs(folder)
         path = os.path.join(folder, "my.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.write('title = "steps=20"\n[section]\nhalf_width = "0.25 m"\ninitial_depth = "50 mm"\n'
                        '[time]\nend = "145 s"\n[[monitor]]\nname = "corner"\nx = "0.25 m"\ny = "0 m"\n')
-        printed = subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "compare", path, path],
-            capture_output=True, text=True, timeout=60, check=False)
-        self.assertEqual(printed.returncode, 0, printed.stderr)
-        self.assertIn("run 2: no difference of 0.1 mm or more", printed.stdout)
+        self.assertIn("run 2: no difference of 0.1 mm or more", self.dccast("compare", path, path))
 
     def test_the_command_line_prints_the_same(self):
         jobs = [self.finished_job(columns=columns) for columns in (30, 40)]
-        command = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "compare"]
-        printed = subprocess.run([*command, *jobs], capture_output=True, text=True, timeout=60,
-                                 check=True).stdout
+        printed = self.dccast("compare", *jobs)
         comparison = self.compare(*({"job": job} for job in jobs))
         self.assertIn("MONITOR  RUN  CURL mm", printed)
         for sentence in comparison.judgement.sentences:
             self.assertIn(" ".join(sentence.split()), " ".join(printed.split()))
-        of_json = json.loads(subprocess.run([*command, "--json", *jobs], capture_output=True,
-                                            text=True, timeout=60, check=True).stdout)
+        of_json = json.loads(self.dccast("compare", "--json", *jobs))
         self.assertEqual(of_json["sentences"], list(comparison.judgement.sentences))
         self.assertEqual([run["job"] for run in of_json["runs"]], jobs)
 

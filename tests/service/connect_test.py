@@ -19,7 +19,8 @@ from google.protobuf import json_format
 
 from dccast.v1 import job_pb2, refusal_pb2, service_pb2, service_pb2_grpc
 from doctor_test import ClientTest
-from support import BIN, fake_case, main, until
+from support import BIN, fake_case, main
+from waiting import until
 
 SERVICE = "dccast.v1.SimulationService"
 METHODS = service_pb2.DESCRIPTOR.services_by_name["SimulationService"].methods
@@ -126,7 +127,7 @@ class ConnectTest(ClientTest):
 
     def entry(self, token):
         """Where the user who has logged in last asks by JSON."""
-        entry = Entry({"XDG_CONFIG_HOME": os.path.join(self.folder, "settings")})
+        entry = Entry({"XDG_CONFIG_HOME": self.in_folder("settings")})
         self.addCleanup(entry.close)
         return entry
 

@@ -4,12 +4,12 @@ import os
 import resource
 import signal
 import subprocess
-import time
 
 import grpc
 
-from dccast.v1 import job_pb2, service_pb2
-from support import BIN, TERMINAL, ServiceTest, curve, fake_case, main, until
+from dccast.v1 import job_pb2
+from support import TERMINAL, ServiceTest, curve, fake_case, main
+from waiting import until
 
 
 class Crash(ServiceTest):
@@ -147,11 +147,11 @@ class Crash(ServiceTest):
 
     def test_folders_of_jobs_never_acknowledged_are_moved_aside(self):
         self.daemon.kill()
-        orphan = os.path.join(self.folder, "data", "jobs", "0f2b9a4e-0000-4000-8000-000000000000")
+        orphan = self.in_folder("data", "jobs", "0f2b9a4e-0000-4000-8000-000000000000")
         os.makedirs(orphan)
         self.restart()
         self.assertFalse(os.path.exists(orphan))
-        info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        info = self.client.ask("GetServerInfo")
         self.assertEqual(info.quarantined, 1)
 
     def test_two_daemons_on_one_folder(self):
@@ -171,7 +171,7 @@ class Crash(ServiceTest):
         self.client.until_step(jobs[0].id, 10)
         self.limit_file_size(1)
         until(lambda: all(self.client.job(job.id).held for job in jobs[2:]), 20)
-        info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        info = self.client.ask("GetServerInfo")
         self.assertTrue(info.storage_fault)
 
         self.refused(grpc.StatusCode.RESOURCE_EXHAUSTED, self.client.submit, fake_case("steps=1"))

@@ -20,8 +20,9 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 import own_mesh_test
-from dccast.v1 import case_pb2, job_pb2, service_pb2, study_pb2
-from support import BIN, WAIT_FACTOR, ServiceTest, fake_case, main, until
+from dccast.v1 import case_pb2, job_pb2
+from support import ServiceTest, fake_case, main
+from waiting import WAIT_FACTOR, stays, until
 
 CASES = os.path.join(os.path.dirname(__file__), "..", "..", "cases")
 SERVICE = "/dccast.v1.SimulationService/"
@@ -40,8 +41,7 @@ class Dashboard(ServiceTest):
         super().tearDown()
 
     def start_dashboard(self, port=None, options=(), environment=None):
-        words = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "dashboard",
-                 *self.files, *options]
+        words = self.client_command("dashboard", *self.files, *options)
         self.process = subprocess.Popen(words + (["--port", str(port)] if port else []),
                                         stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
                                         env={**os.environ, **(environment or {})})
@@ -174,8 +174,7 @@ class RealRuns(WithoutBrowser):
         nodes, elements, per, triangles, edges, dimension = struct.unpack("<6i", raw[:24])
         self.assertEqual(len(raw), 32 + 4 * (4 + 7 * nodes + elements * per + 3 * triangles + 2 * edges))
 
-        frame = self.client.stub.QueryResult(
-            service_pb2.QueryResultRequest(id=job, frame=True), timeout=20).frame
+        frame = self.client.ask("QueryResult", id=job, frame=True).frame
         self.assertEqual((nodes, dimension), (len(frame.temperature_c), 2))
 
         height = struct.unpack(f"<{3 * nodes}f", raw[48:48 + 12 * nodes])[2::3]
@@ -415,8 +414,7 @@ class Pages(InBrowser):
         self.wait_for("onerror", "tbody")
         for page in ("jobs", f"job/{job}", f"compare/{job}/{job}", "wall", "studies"):
             self.go(page)
-            time.sleep(0.5)  # in which a script among the names would run
-            self.assertNotIn("broken", self.browser.title)
+            stays(lambda: "broken" not in self.browser.title, 0.5)  # a script among the names runs by then
             self.assertEqual(self.browser.find_elements(By.CSS_SELECTOR, "main img"), [])
 
     def test_a_thousand_jobs(self):
@@ -455,7 +453,7 @@ class Pages(InBrowser):
         self.finished_job("steps=20")
         for page in ("jobs", "studies", "what-if", "wall"):
             self.go(page)
-            time.sleep(1)
+            time.sleep(1)  # nothing says that a page has drawn its last part
             tree = self.browser.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
             unnamed = [node["role"]["value"] for node in tree
                        if not node.get("ignored") and node["role"]["value"] in
@@ -468,7 +466,7 @@ class Pages(InBrowser):
             "features": [{"name": "prefers-color-scheme", "value": "dark"}]})
         for page in ("jobs", "studies", "what-if", "wall"):
             self.go(page)
-            time.sleep(0.5)
+            time.sleep(0.5)  # as above
             wide = self.browser.execute_script("return document.documentElement.scrollWidth")
             self.assertLessEqual(wide, 360, page)
             ink, paper = (self.browser.execute_script(
@@ -503,7 +501,7 @@ class Pages(InBrowser):
         for page in ("jobs", f"job/{jobs[0]}", f"compare/{jobs[0]}/{jobs[1]}", "studies", "what-if",
                      "wall"):
             self.go(page)
-            time.sleep(1)
+            time.sleep(1)  # nothing says that a page has drawn its last part
             self.assertEqual(self.hidden_sideways(), [], page)
         self.assertEqual(self.complaints(), [])
 
@@ -577,12 +575,10 @@ class RealPages(InBrowser):
         self.assertEqual(self.complaints(), [])
 
     def test_a_study_shows_its_answer(self):
-        made = subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "uncertainty",
-             os.path.join(CASES, "start-2d-thickness.toml"), "--set", "time.end=20 s", "--only",
-             "alloy.conductivity", "--only", "cooling.water.temperature", "--runs", "10"],
-            capture_output=True, text=True, timeout=90, check=True)
-        self.go("study/" + re.search(r"study ([0-9a-f-]{36})", made.stdout)[1])
+        made = self.dccast("uncertainty", os.path.join(CASES, "start-2d-thickness.toml"), "--set",
+                           "time.end=20 s", "--only", "alloy.conductivity", "--only",
+                           "cooling.water.temperature", "--runs", "10")
+        self.go("study/" + re.search(r"study ([0-9a-f-]{36})", made)[1])
         self.wait_for("9 of 10 castings have", "#answer", seconds=30)
         self.assertIn("alone, %", self.text("#answer table"))
         self.assertEqual(len(self.browser.find_elements(By.CSS_SELECTOR, "#answer figure svg")), 2)
@@ -604,10 +600,7 @@ class RealPages(InBrowser):
 
     def submit_case(self, name, *changes):
         words = [word for change in changes for word in ("--set", change)]
-        return subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "submit", *words,
-             os.path.join(CASES, name)], capture_output=True, text=True, timeout=60,
-            check=True).stdout.strip()
+        return self.dccast("submit", *words, os.path.join(CASES, name)).strip()
 
     def save_files_in(self, name):
         folder = os.path.join(self.folder, name)
@@ -630,11 +623,8 @@ class RealPages(InBrowser):
         return saved
 
     def test_a_study_with_too_few_runs_says_so_without_an_error(self):
-        subprocess.run(
-            [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "sweep",
-             os.path.join(CASES, "start-2d-thickness.toml"), "--set", "quality=draft", "--set",
-             "time.end=5 s", "--grid", "schedule.water_flow.scale=0.8,1.2"],
-            capture_output=True, text=True, timeout=90, check=True)
+        self.dccast("sweep", os.path.join(CASES, "start-2d-thickness.toml"), "--set", "quality=draft",
+                    "--set", "time.end=5 s", "--grid", "schedule.water_flow.scale=0.8,1.2")
         self.go("studies")
         self.wait_for("answered, 2 of 2 runs succeeded", seconds=40)
         self.find("a[href^='#/study/']").click()
@@ -752,15 +742,14 @@ class RealPages(InBrowser):
         end.send_keys("200, 20")
         self.press("Along the line", "main")
         self.wait_for("from 10.0, 20.0 to 200.0, 20.0 mm at 60.0 s", "figcaption")
-        stress = max(self.client.stub.QueryResult(service_pb2.QueryResultRequest(
-            id=job, frame=True, field="von_mises_pa"), timeout=20).frame.field.values)
+        stress = max(self.client.ask("QueryResult", id=job, frame=True,
+                                     field="von_mises_pa").frame.field.values)
 
         saved = self.save_files_in("slab")
         self.press("Data (CSV)", "main")
         lines = saved(".csv").decode().splitlines()
         self.assertIn("Stress, von Mises [MPa]", lines[0])
-        nodes = len(self.client.stub.QueryResult(service_pb2.QueryResultRequest(
-            id=job, frame=True), timeout=20).frame.temperature_c)
+        nodes = len(self.client.ask("QueryResult", id=job, frame=True).frame.temperature_c)
         self.assertEqual(len(lines), nodes + 1)
         largest = max(float(line.split(",")[-1]) for line in lines[1:])
         # Means of the elements around a node, in MPa.
@@ -867,8 +856,7 @@ class RealPages(InBrowser):
         self.press("Queue as a job", "#found")
         self.wait_for("Queued as", "#found", seconds=60)
         job = self.text("#found p[role=status] a")
-        case = self.client.stub.QueryResult(
-            service_pb2.QueryResultRequest(id=job), timeout=20).case
+        case = self.client.ask("QueryResult", id=job).case
         self.assertAlmostEqual(case.section.half_width_m, 0.8)
         self.client.cancel(job)
         self.assertEqual(self.complaints(), [])
@@ -894,13 +882,13 @@ class RealPages(InBrowser):
             self.press("Begin")
             self.wait_for(kind, "main p[role=status]", seconds=30)
             study = self.browser.current_url.split("/")[-1]
-            self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=20)
+            self.client.ask("CancelStudy", id=study)
 
     def test_a_former_job_is_marked_taken_up_fetched_and_deleted(self):
         with open(os.path.join(CASES, "start-2d-thickness.toml"), encoding="utf-8") as file:
-            read = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read(), changes=[
-                job_pb2.CaseChange(key="quality", value="draft"),
-                job_pb2.CaseChange(key="time.end", value="20 s")]), timeout=20)
+            read = self.client.ask("ReadCase", text=file.read(),
+                                   changes=[job_pb2.CaseChange(key="quality", value="draft"),
+                                            job_pb2.CaseChange(key="time.end", value="20 s")])
         job = self.client.submit(read.case).id
         self.client.until_state(job, job_pb2.SUCCEEDED, seconds=60)
         self.go(f"job/{job}")

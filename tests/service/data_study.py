@@ -1,9 +1,8 @@
 """What the tests of studies of data share: a small case with ranges, and the command line client."""
 import os
 import re
-import subprocess
 
-from support import BIN, ServiceTest
+from support import ServiceTest
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 
@@ -28,13 +27,5 @@ class DataStudyCase(ServiceTest):
         for pattern, other in COARSE + more:
             text, changes = re.subn(pattern, other, text, flags=re.M)
             self.assertGreater(changes, 0, pattern)
-        path = os.path.join(self.folder, "case.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        return path
+        return self.write_file("case.toml", text)
 
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=200, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended.stdout if code == 0 else ended.stderr

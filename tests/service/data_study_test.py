@@ -9,7 +9,8 @@ import grpc
 
 from data_study import CASE, DATA, DataStudyCase
 from dccast.v1 import study_pb2
-from support import main, until
+from support import main
+from waiting import until
 
 CARDS = os.path.join(os.path.dirname(CASE), "alloys")
 
@@ -20,7 +21,7 @@ class DataStudy(DataStudyCase):
 
     def test_uncertainty_from_case_to_page(self):
         path = self.case_file()
-        page = os.path.join(self.folder, "page.html")
+        page = self.in_folder("page.html")
         screen = self.dccast("uncertainty", path, *self.only(), "--runs", "12", "--plot", page,
                              "--band", "0..100 mm")
         self.assertIn("12 runs: 12 valid", screen)
@@ -63,7 +64,7 @@ class DataStudy(DataStudyCase):
                     self.assertIn(refused, self.dccast(*words, code=2))
                     continue
                 study = self.dccast(*words).strip()
-                self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=60)
+                self.client.ask("CancelStudy", id=study)
 
     def test_a_run_that_fails_is_counted(self):
         # The shell over a cold block turns by more than this, that over a hot one by less.
@@ -86,7 +87,7 @@ class DataStudy(DataStudyCase):
         hot = by_key["cooling.bottom_block.temperature"]
         self.assertNotEqual(hot["low_m"], hot["high_m"])
 
-        page = os.path.join(self.folder, "page.html")
+        page = self.in_folder("page.html")
         screen = self.dccast("sensitivity", "--study", answer["study"]["id"], "--plot", page)
         self.assertIn("9 runs: 9 valid", screen)
         self.assertIn("error of a difference has not been measured", screen)  # of a mesh of its own
@@ -94,36 +95,34 @@ class DataStudy(DataStudyCase):
             self.assertIn("Change of the curl of the corner", file.read())
         # Runs that change one key each permit no interpolation.
         with self.assertRaises(grpc.RpcError) as refused:
-            self.client.stub.PredictStudy(study_pb2.PredictStudyRequest(id=answer["study"]["id"]),
-                                          timeout=30)
+            self.client.ask("PredictStudy", id=answer["study"]["id"])
         self.assertIn("one key at a time", refused.exception.details())
 
     def test_runs_that_give_no_answer_are_refused_at_once(self):
         said = self.dccast("uncertainty", CASE, "--runs", "8", code=2)
         for word in ("are too few to tell 28 keys apart", "31 or more", "make 31 runs"):
             self.assertIn(word, said)
-        self.assertFalse(self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies)
+        self.assertFalse(self.client.ask("ListStudies").studies)
 
     def test_a_study_without_an_answer_is_no_success(self):
         for words in (("uncertainty", "--runs", "31"), ("sensitivity",)):
             study = self.dccast(words[0], CASE, *words[1:], "--no-wait").strip()
             self.dccast(words[0], "--study", study, "--no-wait")  # under way
-            self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=60)
-            until(lambda: self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10).state
+            self.client.ask("CancelStudy", id=study)
+            until(lambda: self.client.ask("GetStudy", id=study).state
                   == study_pb2.STUDY_CANCELLED, 30)
             self.dccast(words[0], "--study", study, code=3)
 
     def test_levers_are_moved_too(self):
         path = self.case_file()
         study = self.dccast("sensitivity", path, "--no-wait").strip()
-        axes = {axis.key for axis in self.client.stub.GetStudy(
-            study_pb2.GetStudyRequest(id=study), timeout=10).sweep.axes}
+        axes = {axis.key for axis in self.client.ask("GetStudy", id=study).sweep.axes}
         for key in ("schedule.casting_speed.scale", "schedule.casting_speed.shift",
                     "schedule.water_flow.scale", "schedule.hold.scale",
                     "cooling.water.wetting.lag", "schedule.casting_temperature.offset"):
             self.assertIn(key, axes)
-        self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=20)
-        until(lambda: self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10).state
+        self.client.ask("CancelStudy", id=study)
+        until(lambda: self.client.ask("GetStudy", id=study).state
               == study_pb2.STUDY_CANCELLED, 30)
 
     def test_faults_of_ranges_name_their_line(self):

@@ -12,7 +12,8 @@ import threading
 import unittest
 
 from certificates import TestCa
-from support import BIN, Daemon, ServiceTest, until
+from support import BIN, Daemon, ServiceTest
+from waiting import until
 
 
 class ClientTest(ServiceTest):
@@ -31,7 +32,7 @@ class ClientTest(ServiceTest):
         return subprocess.run(
             [os.path.join(BIN, "dccast"), *words], input=given, capture_output=True, text=True,
             timeout=60, check=False,
-            env={"XDG_CONFIG_HOME": os.path.join(self.folder, "settings"), "PATH": os.environ["PATH"],
+            env={"XDG_CONFIG_HOME": self.in_folder("settings"), "PATH": os.environ["PATH"],
                  **environment})
 
     def admin(self, *words):
@@ -48,7 +49,7 @@ class ClientTest(ServiceTest):
         self.assertEqual(done.returncode, 0, done.stderr)
 
     def servers_file(self):
-        return os.path.join(self.folder, "settings", "dccast", "servers.toml")
+        return self.in_folder("settings", "dccast", "servers.toml")
 
     def doctor(self, *words, cause, remedy, **environment):
         """The one sentence about the cause and the one remedy hold these texts."""
@@ -80,10 +81,9 @@ class Login(ClientTest):
         for name, speed in (("a", "50"), ("b", "60")):
             case = self.dccast("new", "start-2d-thickness").stdout
             case = re.sub(r"(?m)^title = .*$", f'title = "steps=3 {name}"', case)
-            with open(os.path.join(self.folder, name + ".toml"), "w", encoding="utf-8") as file:
-                file.write(re.sub(r"(?m)^casting_speed = .*$",
-                                  f'casting_speed = "{speed} mm/min"', case))
-        done = self.dccast("compare", *(os.path.join(self.folder, name + ".toml") for name in "ab"))
+            self.write_file(name + ".toml", re.sub(r"(?m)^casting_speed = .*$",
+                            f'casting_speed = "{speed} mm/min"', case))
+        done = self.dccast("compare", *(self.in_folder(name + ".toml") for name in "ab"))
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("corner", done.stdout)
 

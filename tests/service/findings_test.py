@@ -3,22 +3,15 @@
 import json
 import os
 import signal
-import subprocess
 
-from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, fake_case, main
+from dccast.v1 import job_pb2
+from support import ServiceTest, fake_case, main
 
 SCRIPT = "steps=60 checkpoint=7 sleep_ms=20 finding_at=10"
 
 
 class Findings(ServiceTest):
     settings = {"workers__restarts": 2}
-
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=60, check=False)
-        self.assertEqual(ended.returncode, code, ended)
-        return ended
 
     def job_past_its_finding(self):
         """Behind the checkpoint of step 14, which knows of the finding of step 10."""
@@ -59,40 +52,40 @@ class Findings(ServiceTest):
 
     def test_not_again_after_a_pause(self):
         job_id = self.job_past_its_finding()
-        self.dccast("pause", job_id)
+        self.run_dccast("pause", job_id)
         self.client.until_state(job_id, job_pb2.PAUSED)
-        self.dccast("resume", job_id)
+        self.run_dccast("resume", job_id)
         self.told_once(job_id)
 
     def test_with_the_first_page_of_a_history_and_in_lists(self):
         job_id = self.job_past_its_finding()
         found = self.told_once(job_id)
-        pages = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job_id, page_size=10))
+        pages = self.client.ask("QueryResult", id=job_id, page_size=10)
         self.assertEqual(list(pages.findings), [found])
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest())
+        listed = self.client.ask("ListJobs")
         self.assertEqual(list(listed.jobs[0].findings), [found])
 
     def test_every_command_says_it(self):
         job_id = self.job_past_its_finding()
         self.told_once(job_id)
         line = r"danger: bleed_out_at_exit at 10\.00 s: The shell leaves the mould 3 mm thick\."
-        self.assertRegex(self.dccast("show", job_id).stdout, "finding +" + line)
-        self.assertRegex(self.dccast("watch", job_id).stdout, line)
-        self.assertRegex(self.dccast("curl", job_id).stderr, line)
-        self.assertRegex(self.dccast("list").stdout, r"FINDINGS.*\n.* 1 danger ")
+        self.assertRegex(self.dccast("show", job_id), "finding +" + line)
+        self.assertRegex(self.dccast("watch", job_id), line)
+        self.assertRegex(self.run_dccast("curl", job_id).stderr, line)
+        self.assertRegex(self.dccast("list"), r"FINDINGS.*\n.* 1 danger ")
 
         for words in (["show"], ["curl"]):
-            said = json.loads(self.dccast(*words, "--json", job_id).stdout)
+            said = json.loads(self.dccast(*words, "--json", job_id))
             self.assertEqual(said["findings"][0]["code"], "bleed_out_at_exit")
         events = [json.loads(text) for text in
-                  self.dccast("watch", "--json", job_id).stdout.splitlines()]
+                  self.dccast("watch", "--json", job_id).splitlines()]
         told = [event for event in events if event["event"] == "finding"]
         self.assertEqual([event["finding"]["code"] for event in told], ["bleed_out_at_exit"])
 
     def test_only_the_strict_fail_for_it(self):
         job_id = self.job_past_its_finding()
-        self.dccast("watch", job_id)
-        self.assertIn("--strict", self.dccast("watch", "--strict", job_id, code=3).stderr)
+        self.run_dccast("watch", job_id)
+        self.assertIn("--strict", self.dccast("watch", "--strict", job_id, code=3))
 
 
 if __name__ == "__main__":

@@ -4,12 +4,12 @@ import os
 import random
 import signal
 import subprocess
-import time
 
-from dccast.v1 import job_pb2, service_pb2
+from dccast.v1 import job_pb2
 from follow_test import FollowTest, table
 from real_run_test import physics
-from support import BIN, main, until
+from support import main
+from waiting import pause, until
 
 KILLS = 50
 CASTINGS_END = 145  # s of casting, after a hold of 60 s
@@ -21,7 +21,7 @@ class Kills(FollowTest):
 
     def test_kills_of_client_daemon_and_worker_lose_nothing_and_use_nothing_twice(self):
         lines = table(end=CASTINGS_END).splitlines(keepends=True)
-        path = os.path.join(self.folder, "readings.csv")
+        path = self.in_folder("readings.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.writelines(lines)
         self.ended(self.dccast("follow", self.case_file(CASTINGS_END), "--readings", path))
@@ -39,7 +39,7 @@ class Kills(FollowTest):
             for shot in range(KILLS):
                 file.writelines(lines[first + 3 * shot:first + 3 * (shot + 1)])
                 file.flush()
-                time.sleep(shots.uniform(0.05, 0.6))
+                pause(shots, 0.6, 0.05)
                 target = shots.choice(sorted(killed))
                 killed[target] += 1
                 client = self.kill(target, client, job_id, path)
@@ -67,7 +67,7 @@ class Kills(FollowTest):
         return self.dccast("follow", "--job", job_id, "--readings", path, "--growing")
 
     def jobs(self):
-        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
+        return self.client.ask("ListJobs").jobs
 
     def newest_job(self):
         return self.jobs()[0].id
@@ -75,11 +75,9 @@ class Kills(FollowTest):
 
 class HalfADay(FollowTest):
     def test_castings_one_after_another_leave_no_memory_and_no_disk_but_their_records(self):
-        path = os.path.join(self.folder, "readings.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(table(end=CASTINGS_END))
-        words = [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "follow",
-                 self.case_file(CASTINGS_END), "--set", "quality=draft", "--readings", path]
+        path = self.write_file("readings.csv", table(end=CASTINGS_END))
+        words = self.client_command("follow", self.case_file(CASTINGS_END), "--set", "quality=draft",
+                                    "--readings", path)
 
         castings = HALF_A_DAY // (CASTINGS_END + 60) + 1
         memory, disk, files = [], [], []
@@ -104,9 +102,9 @@ class HalfADay(FollowTest):
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
     def bytes_of_newest_job(self):
-        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(page_size=1), timeout=10).jobs[0]
+        job = self.client.ask("ListJobs", page_size=1).jobs[0]
         self.assertEqual(job.state, job_pb2.SUCCEEDED)
-        folder = os.path.join(self.folder, "data", "jobs", job.id)
+        folder = self.in_folder("data", "jobs", job.id)
         return sum(os.path.getsize(os.path.join(folder, name)) for name in os.listdir(folder))
 
 

@@ -12,9 +12,10 @@ import time
 import grpc
 import numpy
 
-from dccast.v1 import case_pb2, follow_pb2, job_pb2, line_pb2, service_pb2, study_pb2
+from dccast.v1 import case_pb2, follow_pb2, job_pb2, study_pb2
 from real_run_test import RealRunTest, physics
-from support import BIN, WAIT_FACTOR, main, until
+from support import main
+from waiting import WAIT_FACTOR, stays, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 END = 40  # s of casting: a second of computing at draft
@@ -46,15 +47,14 @@ def table(begin=-60, end=END):
 
 class FollowTest(RealRunTest):
     def dccast(self, *words, **rest):
-        return subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                 *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                text=True, **rest)
+        return subprocess.Popen(self.client_command(*words), stdout=subprocess.PIPE,
+                                stderr=subprocess.PIPE, text=True, **rest)
 
     def follow(self, end=END, **following):
         """A job that follows readings, without any so far."""
         with open(CASE, encoding="utf-8") as file:
             text = file.read().replace('\nend = "145 s"', f'\nend = "{end} s"')
-        answer = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=text), timeout=20)
+        answer = self.client.ask("ReadCase", text=text)
         answer.case.quality = case_pb2.DRAFT
         return self.client.submit(answer.case, following=follow_pb2.Following(**following)).id
 
@@ -64,14 +64,13 @@ class FollowTest(RealRunTest):
         return job_id
 
     def append(self, job_id, *added):
-        return self.client.stub.AppendReadings(
-            follow_pb2.AppendReadingsRequest(id=job_id, readings=added), timeout=20)
+        return self.client.ask("AppendReadings", id=job_id, readings=added)
 
     def steps_at_end(self, job_id):
         return self.finished_steps(job_id)[1]
 
     def case_file(self, end=END):
-        path = os.path.join(self.folder, "plan.toml")
+        path = self.in_folder("plan.toml")
         with open(CASE, encoding="utf-8") as file, open(path, "w", encoding="utf-8") as plan:
             plan.write(file.read().replace('\nend = "145 s"', f'\nend = "{end} s"'))
         return path
@@ -82,10 +81,10 @@ class FollowTest(RealRunTest):
         return out, err
 
     def forecast(self, job_id):
-        return self.client.stub.ForecastJob(follow_pb2.ForecastJobRequest(id=job_id), timeout=30)
+        return self.client.ask("ForecastJob", id=job_id)
 
     def studies(self):
-        return self.client.stub.ListStudies(study_pb2.ListStudiesRequest(), timeout=10).studies
+        return self.client.ask("ListStudies").studies
 
     def ensemble(self):
         """A study of 31 runs of the plan with other data, the fewest that its 28 data permit."""
@@ -109,10 +108,11 @@ class Record(FollowTest):
         kept = self.append(job_id, *first)
         self.assertEqual((kept.number, kept.time_s, kept.closed), (21, -40, False))
         self.until_time(job_id, -44)
-        time.sleep(0.5)  # it would go on in this time
-        job = self.client.job(job_id)
-        self.assertEqual(job.state, job_pb2.RUNNING)
-        self.assertLessEqual(job.last_step.time_s, -40)
+
+        def waits():
+            job = self.client.job(job_id)
+            return job.state == job_pb2.RUNNING and job.last_step.time_s <= -40
+        stays(waits, 0.5)
 
         self.append(job_id, *readings(begin=-39, end=20, first=22))
         self.append(job_id, follow_pb2.Reading(number=82, closes=True))
@@ -233,7 +233,7 @@ class Record(FollowTest):
         self.daemon.kill_with_workers()
         self.restart()
         self.client.until_state(job_id, job_pb2.RUNNING)
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].casting
+        listed = self.client.ask("ListJobs").jobs[0].casting
         self.assertEqual(listed.measured, measured)
         self.assertLess(abs(listed.age_s - (time.time() - begin)), 1.0)
 
@@ -243,8 +243,7 @@ class Record(FollowTest):
 
     def test_other_jobs_and_ended_ones_take_no_readings(self):
         with open(CASE, encoding="utf-8") as file:
-            case = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()),
-                                             timeout=20).case
+            case = self.client.ask("ReadCase", text=file.read()).case
         plain = self.client.submit(case).id
         error = self.refused(grpc.StatusCode.FAILED_PRECONDITION, self.append, plain, *readings()[:1])
         self.assertIn("dccast follow", error.details())
@@ -260,17 +259,17 @@ class Record(FollowTest):
         job_id = self.follow()
         self.append(job_id, *readings(end=-30))
         self.until_time(job_id, -35)
-        self.client.stub.PauseJob(service_pb2.PauseJobRequest(id=job_id), timeout=10)
+        self.client.ask("PauseJob", id=job_id)
         self.client.until_state(job_id, job_pb2.PAUSED)
         self.append(job_id, *readings(begin=-29, first=32))
-        self.client.stub.ResumeJob(service_pb2.ResumeJobRequest(id=job_id), timeout=10)
+        self.client.ask("ResumeJob", id=job_id)
         self.steps_at_end(job_id)
 
         waiting = self.follow()
         self.client.until_state(waiting, job_pb2.RUNNING)
         self.client.cancel(waiting)
         self.client.until_state(waiting, job_pb2.CANCELLED)
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=waiting), timeout=10)
+        self.client.ask("DeleteJob", id=waiting)
 
 
 class Kills(FollowTest):
@@ -304,7 +303,7 @@ class Kills(FollowTest):
         made = readings()
         self.append(job_id, *made[:20])
         self.daemon.kill_with_workers()
-        path = os.path.join(self.folder, "data", "jobs", job_id, "readings.log")
+        path = self.in_folder("data", "jobs", job_id, "readings.log")
         with open(path, "r+b") as record:
             record.truncate(os.path.getsize(path) - 3)
         self.restart()
@@ -338,14 +337,12 @@ class Forecast(FollowTest):
         self.assertLess(abs(after.curl_m[-1] - end), 0.8 * width(after))
         self.assertLess(width(after), 0.8 * width(before))
 
-        shown = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                "forecast", job_id], capture_output=True, text=True, check=False)
-        self.assertEqual(shown.returncode, 0, shown.stderr)
-        self.assertIn("26 readings, 0 left out; 31 members", shown.stdout)
+        shown = self.run_dccast("forecast", job_id).stdout
+        self.assertIn("26 readings, 0 left out; 31 members", shown)
 
     def test_a_plan_that_is_not_prepared_is_forecast_by_its_run_and_the_last_difference(self):
         plan = self.case_file(end=20)
-        path = os.path.join(self.folder, "curls.csv")
+        path = self.in_folder("curls.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write("time [s], curl corner [mm]\n")
             file.writelines(f"{t}, {1.5 + 0.01 * max(t, 0)}\n" for t in range(-60, 11))
@@ -356,7 +353,7 @@ class Forecast(FollowTest):
         self.assertEqual(run.priority, job_pb2.HIGH)
         self.client.until_state(run.id, job_pb2.SUCCEEDED)
 
-        steps = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=run.id), timeout=30).steps
+        steps = self.client.ask("QueryResult", id=run.id).steps
         last = max(step.time_s for step in steps)
         computed = numpy.array([(step.time_s, step.monitors[0].curl_m) for step in steps]).T
         whole = self.forecast(followed.id)
@@ -373,7 +370,7 @@ class Forecast(FollowTest):
 
         # The next casting of this plan finds the run again.
         self.ended(self.dccast(*words))
-        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
+        jobs = self.client.ask("ListJobs").jobs
         self.assertEqual(len(jobs), 3)
 
     def test_levers_that_left_the_plan_act_in_the_forecast(self):
@@ -398,7 +395,7 @@ class Forecast(FollowTest):
         self.assertGreater(width(with_run), width(without))
 
     def run_of_plan_and_job(self):
-        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs
+        jobs = self.client.ask("ListJobs").jobs
         is_run = lambda job: any(label.startswith("plan=") for label in job.labels)
         return (next(job for job in jobs if is_run(job)),
                 next(job for job in jobs if not is_run(job)))
@@ -421,17 +418,14 @@ class Forecast(FollowTest):
         self.assertIn("without an ensemble", error.details())
 
     def study(self, seed, runs):
-        out = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                              "uncertainty", CASE, "--set", f"time.end={END} s", "--runs",
-                              str(runs), "--seed", str(seed), "--json"],
-                             capture_output=True, text=True, timeout=120 * WAIT_FACTOR, check=False)
-        self.assertEqual(out.returncode, 0, out.stderr)
+        self.run_dccast("uncertainty", CASE, "--set", f"time.end={END} s", "--runs", str(runs),
+                        "--seed", str(seed), "--json")
         return self.studies()[0].id
 
 
 class Preparation(FollowTest):
     def table_of_curls(self):
-        path = os.path.join(self.folder, "curls.csv")
+        path = self.in_folder("curls.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write("time [s], curl corner [mm]\n")
             file.writelines(f"{t}, {max(t, 0) * 0.05}\n" for t in range(-60, 5))
@@ -442,7 +436,7 @@ class Preparation(FollowTest):
         process = self.dccast("follow", self.case_file(end=4), "--readings", self.table_of_curls(),
                               "--set", "quality=draft", *words)
         _, err = self.ended(process)
-        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id, err
+        return self.client.ask("ListJobs").jobs[0].id, err
 
     def test_a_prepared_plan_is_found_again_by_its_case(self):
         plan = self.case_file(end=4)
@@ -455,8 +449,7 @@ class Preparation(FollowTest):
         self.assertEqual((ensemble.runs, pairs.runs, levers.runs), (64, 16, 104))
         request = study_pb2.EvaluateStudyRequest(id=pairs.id)
         self.assertEqual(self.client.stub.EvaluateStudy(request, timeout=30).runs[0].values,
-                         self.client.stub.EvaluateStudy(study_pb2.EvaluateStudyRequest(
-                             id=ensemble.id), timeout=30).runs[0].values)
+                         self.client.ask("EvaluateStudy", id=ensemble.id).runs[0].values)
         self.ended(self.dccast("follow", "--prepare", plan, "--set", "quality=fine",
                                "--set", "title=pit 3"))
         self.assertEqual(len(self.studies()), 3, "quality and title of the case do not count")
@@ -483,14 +476,13 @@ class Advice(FollowTest):
 
     def case(self):
         with open(self.case_file(self.END), encoding="utf-8") as file:
-            return self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=20).case
+            return self.client.ask("ReadCase", text=file.read()).case
 
     def levers(self):
-        created = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            request_id="levers", case=self.case(), levers=study_pb2.LeversPlan()), timeout=20)
+        created = self.client.ask("CreateStudy", request_id="levers", case=self.case(),
+                                  levers=study_pb2.LeversPlan())
         until(lambda: all(s.state != study_pb2.STUDY_RUNNING for s in self.studies()), 180)
-        return self.client.stub.EvaluateStudy(
-            study_pb2.EvaluateStudyRequest(id=created.id, curves=True), timeout=30)
+        return self.client.ask("EvaluateStudy", id=created.id, curves=True)
 
     def test_levers_are_compared_with_the_plan_at_equal_cast_length(self):
         study = self.levers()
@@ -572,7 +564,7 @@ class Line(FollowTest):
         return job_id
 
     def line(self, name="pit-3"):
-        return self.client.stub.GetLine(line_pb2.GetLineRequest(id=name), timeout=30)
+        return self.client.ask("GetLine", id=name)
 
     def test_castings_make_the_forecast_before_the_next_one_better(self):
         first = self.forecast(self.on_line()).curls[0]
@@ -618,7 +610,7 @@ class Line(FollowTest):
         told = self.cast()
         self.line()  # the first one has told its curl
         for job_id in (told, self.cast()):
-            self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job_id), timeout=10)
+            self.client.ask("DeleteJob", id=job_id)
         self.assertEqual([len(c.curls) for c in self.line().castings], [1, 1])
         self.assertEqual(self.forecast(self.on_line()).curls[0].line.castings, 2)
 
@@ -635,7 +627,7 @@ class Line(FollowTest):
 
     def test_a_damaged_line_is_refused_and_can_be_forgotten(self):
         self.cast()
-        path = os.path.join(self.folder, "data", "lines", "pit-3.bin")
+        path = self.in_folder("data", "lines", "pit-3.bin")
         with open(path, "r+b") as file:
             file.seek(40)
             file.write(b"\xff")
@@ -682,12 +674,12 @@ class Plant(FollowTest):
         self.assertRegex(said, r"forecast at \d+ s: corner .* mm at the end")
 
     def newest_job(self):
-        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+        return self.client.ask("ListJobs").jobs[0].id
 
 
 class Replay(FollowTest):
     def test_a_record_is_written_at_its_pace(self):
-        path = os.path.join(self.folder, "casting.csv")
+        path = self.in_folder("casting.csv")
         with open(path, "w", encoding="utf-8") as file:
             file.write("# line 4\n" + table() + "nonsense\n")
         begin = time.monotonic()
@@ -705,9 +697,7 @@ class Replay(FollowTest):
         self.assertEqual(slow.returncode, 130)
 
     def test_a_replayed_casting_is_followed(self):
-        path = os.path.join(self.folder, "casting.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(table())
+        path = self.write_file("casting.csv", table())
         plant = self.dccast("replay", path, "--pace", "50")
         follower = self.dccast("follow", self.case_file(), "--set", "quality=draft",
                                stdin=plant.stdout)
@@ -715,23 +705,19 @@ class Replay(FollowTest):
         self.ended(follower)
         self.assertEqual(plant.wait(10), 0)
         plant.stderr.close()
-        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+        job = self.client.ask("ListJobs").jobs[0]
         self.assertAlmostEqual(job.last_step.time_s, END)
 
     def test_a_file_that_is_no_record_is_refused(self):
         for text, word in (("", "is empty"), ("colour [1]\n", "a column for the time")):
-            path = os.path.join(self.folder, "wrong.csv")
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(text)
+            path = self.write_file("wrong.csv", text)
             _, err = self.ended(self.dccast("replay", path), code=2)
             self.assertIn(word, err)
 
 
 class Client(FollowTest):
     def test_a_recorded_casting_is_computed_again(self):
-        path = os.path.join(self.folder, "casting.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(table())
+        path = self.write_file("casting.csv", table())
         process = self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings",
                               path, "--label", "casting-41", "--json")
         out, err = self.ended(process)
@@ -745,12 +731,10 @@ class Client(FollowTest):
                                events[-1]["monitors"][0]["displacement_m"][1], delta=1e-9)
 
     def test_objects_with_names_of_the_plant_give_the_same_casting(self):
-        columns = os.path.join(self.folder, "plc.toml")
-        with open(columns, "w", encoding="utf-8") as file:
-            file.write('time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
-                       'speed = { name = "DB12.Speed", unit = "m/min" }\n'
-                       'water = { name = "FT101", unit = "m3/h", per = "5 m" }\n'
-                       'metal = { name = "TT3", unit = "K" }\n')
+        columns = self.write_file("plc.toml", 'time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
+                                  'speed = { name = "DB12.Speed", unit = "m/min" }\n'
+                                  'water = { name = "FT101", unit = "m3/h", per = "5 m" }\n'
+                                  'metal = { name = "TT3", unit = "K" }\n')
         zero = datetime.datetime(2026, 11, 27, 4, 1, tzinfo=datetime.timezone.utc)
         lines = []
         for reading in readings():
@@ -773,14 +757,13 @@ class Client(FollowTest):
                                event["monitors"][0]["displacement_m"][1], delta=1e-9)
 
     def test_a_file_of_columns_that_is_wrong_makes_no_job(self):
-        columns = os.path.join(self.folder, "plc.toml")
-        with open(columns, "w", encoding="utf-8") as file:
-            file.write('time = { name = "ts", unit = "s" }\nspeed = { name = "v", unit = "kg" }\n')
+        columns = self.write_file(
+            "plc.toml", 'time = {name = "ts", unit = "s" }\nspeed = {name = "v", unit = "kg" }\n')
         process = self.dccast("follow", self.case_file(), "--columns", columns, stdin=subprocess.PIPE)
         _, err = self.ended(process, code=2, input="ts, v\n1, 2\n")
         self.assertIn("plc.toml:2:", err)
         self.assertIn("cannot be converted to m/s", err)
-        self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
+        self.assertFalse(self.client.ask("ListJobs").jobs)
 
     def test_the_client_bridges_bad_lines_and_says_so(self):
         lines = table().splitlines()
@@ -806,12 +789,10 @@ class Client(FollowTest):
     def test_a_jump_of_the_clock_is_said_once_and_carries_no_casting_to_its_end(self):
         """A clock that is set forward and back, in numbers and stamps; a gap of the same length."""
         rows = table(end=30).splitlines()
-        path = os.path.join(self.folder, "casting.csv")
+        path = self.in_folder("casting.csv")
         zero = datetime.datetime(2026, 11, 27, 4, 1, tzinfo=datetime.timezone.utc)
-        columns = os.path.join(self.folder, "plc.toml")
-        with open(columns, "w", encoding="utf-8") as file:
-            file.write('time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
-                       'speed = { name = "speed [mm/min]", unit = "mm/min" }\n')
+        columns = self.write_file("plc.toml", 'time = { name = "ts", zero = "2026-11-27T04:01:00Z" }\n'
+                                  'speed = { name = "speed [mm/min]", unit = "mm/min" }\n')
         for by, stamps in ((874, False), (-60, False), (-2, False), (3600, True), (-7200, True)):
             with open(path, "w", encoding="utf-8") as file:
                 file.write(rows[0].replace("time [s]", "ts" if stamps else "time [s]") + "\n")
@@ -837,7 +818,7 @@ class Client(FollowTest):
     def test_a_log_that_is_begun_anew_is_followed_by_its_name(self):
         """Renamed, deleted, cut, and with its columns in another order; a header each time."""
         rows = [row.rsplit(",", 1)[0] for row in table(end=30).splitlines()]
-        path = os.path.join(self.folder, "live.csv")
+        path = self.in_folder("live.csv")
         renewals = {20: "renamed", 45: "deleted", 70: "cut", 80: "turned"}
         file = open(path, "w", encoding="utf-8", buffering=1)
         file.write(rows[0] + "\n" + rows[1] + "\n")
@@ -848,13 +829,13 @@ class Client(FollowTest):
             how = renewals.get(number)
             if how:
                 file.write("partial" if how == "renamed" else "")
-                time.sleep(0.6)
+                time.sleep(0.6)  # longer than between two looks of the client at its file
                 if how == "renamed":
                     os.rename(path, path + ".1")
                 file.close()
                 if how in ("deleted", "turned"):
                     os.unlink(path)
-                    time.sleep(0.5)
+                    time.sleep(0.5)  # so that it finds no file for a while
                 turned = how == "turned"
                 file = open(path, "w", encoding="utf-8", buffering=1)
                 file.write((",".join(reversed(rows[0].split(","))) if turned else rows[0]) + "\n")
@@ -876,7 +857,7 @@ class Client(FollowTest):
         rows = table().splitlines(keepends=True)
         process.stdin.write("".join(rows[:20]))
         process.stdin.flush()
-        time.sleep(12)
+        time.sleep(12)  # longer than the 10 s after which the client says it
         _, err = self.ended(process, input="".join(rows[20:]))
         self.assertIn("no line for 10 s; still waiting", err)
         self.assertIn("lines come again, after 1", err)
@@ -899,12 +880,12 @@ class Client(FollowTest):
             process = self.dccast("follow", self.case_file(), stdin=subprocess.PIPE)
             _, err = self.ended(process, code=2, input=text + ("\n" if text else ""))
             self.assertIn(word, err)
-        utf16 = os.path.join(self.folder, "utf16.csv")
+        utf16 = self.in_folder("utf16.csv")
         with open(utf16, "w", encoding="utf-16") as file:
             file.write(table())
         _, err = self.ended(self.dccast("follow", self.case_file(), "--readings", utf16), code=2)
         self.assertIn("UTF-16", err)
-        self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
+        self.assertFalse(self.client.ask("ListJobs").jobs)
 
     def test_a_broken_sensor_costs_its_own_values_and_is_named_once(self):
         lines = table().splitlines()
@@ -912,9 +893,7 @@ class Client(FollowTest):
             cells = lines[number].split(", ")
             cells[2], cells[3] = "32767", "-9999" if number % 2 else "NaN"
             lines[number] = ", ".join(cells)
-        path = os.path.join(self.folder, "broken.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write("\ufeff" + ",\n".join(lines) + ",\n")
+        path = self.write_file("broken.csv", "\ufeff" + ",\n".join(lines) + ",\n")
         _, err = self.ended(self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings",
                                         path))
         self.assertIn("line 31, -31 s: the water flow is 0.546117 m2/s; permitted: 0 to 0.1 m2/s", err)
@@ -922,7 +901,7 @@ class Client(FollowTest):
         self.assertIn("line 31: \"NaN\" of metal [degC] is no number and left out", err)
         self.assertIn("water_flow_m2_per_s: 30 values were left out", err)
         self.assertEqual(err.count("permitted: 0 to 0.1 m2/s"), 1, err)
-        job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+        job = self.client.ask("ListJobs").jobs[0]
         self.assertAlmostEqual(job.last_step.time_s, END)
 
     def test_a_casting_of_which_nothing_was_measured_is_no_success(self):
@@ -954,16 +933,16 @@ class Client(FollowTest):
         self.assertAlmostEqual(self.client.job(job_id).last_step.time_s, END)
 
     def kept_file(self, job_id):
-        return os.path.join(self.folder, "state", "dccast", "readings", job_id)
+        return self.in_folder("state", "dccast", "readings", job_id)
 
     def begin_live(self, lines):
         """A client that follows live, whose readings so far are on the server."""
-        state = {"XDG_STATE_HOME": os.path.join(self.folder, "state")}
+        state = {"XDG_STATE_HOME": self.in_folder("state")}
         client = self.dccast("follow", self.case_file(), "--set", "quality=draft", stdin=subprocess.PIPE,
                              env=os.environ | state)
         self.write(client, lines)
-        until(lambda: self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs, 30)
-        job_id = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+        until(lambda: self.client.ask("ListJobs").jobs, 30)
+        job_id = self.client.ask("ListJobs").jobs[0].id
         until(lambda: self.append(job_id).number >= len(lines) - 1, 20)
         until(lambda: not os.path.exists(self.kept_file(job_id))
               or os.path.getsize(self.kept_file(job_id)) == 0, 10)
@@ -988,7 +967,7 @@ class Client(FollowTest):
         self.daemon.kill()
         for line in lines[40:90]:
             self.write(client, [line])
-            time.sleep(0.9)
+            time.sleep(0.9)  # the pace of a plant: 45 s in all
         kept = self.kept_file(job_id)
         self.assertGreater(os.path.getsize(kept), 1000)
         self.assertEqual(os.stat(kept).st_mode & 0o777, 0o600)
@@ -1064,8 +1043,8 @@ class Client(FollowTest):
 
     def test_a_lever_off_its_plan_is_an_alarm_and_the_advice_is_to_bring_it_back(self):
         head, *rows = table().splitlines(keepends=True)
-        path = os.path.join(self.folder, "casting.csv")
-        told = os.path.join(self.folder, "told")
+        path = self.in_folder("casting.csv")
+        told = self.in_folder("told")
         for column, value, word in ((2, "0", "ALARM at 13 s, water: the water is off: 0 l/min/m, the plan has"),
                                     (1, "0", "ALARM at 17 s, casting speed: the block stands"),
                                     (1, "4", "the unit of its column; if it is a tenth"),
@@ -1081,7 +1060,7 @@ class Client(FollowTest):
             client = self.dccast("follow", self.case_file(end=145), "--set", "quality=draft", "--readings", path,
                                  "--growing", "--notify", f"echo $DCCAST_ALARM >> {told}")
             until(lambda: word in self.text_of(told), 30)
-            job = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0]
+            job = self.client.ask("ListJobs").jobs[0]
             self.assertEqual(len(job.casting.alarms), 1)
             client.send_signal(signal.SIGINT)
             _, err = self.ended(client, code=130)

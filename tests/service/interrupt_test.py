@@ -14,7 +14,8 @@ import threading
 import unittest
 
 from dccast.v1 import job_pb2
-from support import BIN, SANITIZED, WAIT_FACTOR, ServiceTest, connected, fake_case, main, until
+from support import BIN, SANITIZED, ServiceTest, connected, fake_case, main
+from waiting import WAIT_FACTOR, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 LONG = "steps=100000 sleep_ms=5"
@@ -114,7 +115,7 @@ class Interrupt(ServiceTest):
         return job
 
     def case_file(self, title):
-        path = os.path.join(self.folder, "case.toml")
+        path = self.in_folder("case.toml")
         with open(CASE, encoding="utf-8") as shipped, open(path, "w", encoding="utf-8") as file:
             file.write(re.sub(r'^title = .*$', f'title = "{title}"', shipped.read(), flags=re.M))
         return path
@@ -185,9 +186,9 @@ class Interrupt(ServiceTest):
     def test_fetch_leaves_a_part_that_the_same_command_continues(self):
         job = self.client.submit(fake_case("steps=3 big=4000000"))
         self.client.until_state(job.id, job_pb2.SUCCEEDED)
-        proxy = StallingProxy(self.daemon.address, 1500000, os.path.join(self.folder, "proxy"))
+        proxy = StallingProxy(self.daemon.address, 1500000, self.in_folder("proxy"))
         self.addCleanup(proxy.close)
-        part = os.path.join(self.folder, "r.h5.part")
+        part = self.in_folder("r.h5.part")
         process = self.begin("fetch", job.id, "-o", "r.h5", address=proxy.address)
         self.assertTrue(proxy.stalled.wait(20 * WAIT_FACTOR))
         until(lambda: os.path.exists(part) and os.path.getsize(part) > 0, 10)
@@ -196,13 +197,13 @@ class Interrupt(ServiceTest):
         self.assertGreater(bytes_there, 0)
         self.assertLess(bytes_there, 1500000)
         self.assertIn(f"r.h5.part keeps {bytes_there} bytes", err)
-        self.assertFalse(os.path.exists(os.path.join(self.folder, "r.h5")))
+        self.assertFalse(os.path.exists(self.in_folder("r.h5")))
 
         # The fake casting has no sidecar: only the file itself is fetched again.
         again = self.begin("fetch", "--json", job.id, "-o", "r.h5")
         _, err = again.communicate(timeout=20)
         self.assertIn(f"going on after the {bytes_there} bytes in r.h5.part", err)
-        with open(os.path.join(self.folder, "r.h5"), "rb") as file:
+        with open(self.in_folder("r.h5"), "rb") as file:
             self.assertEqual(file.read(), b"".join(c.data for c in self.client.fetch(job.id)))
 
     def test_convergence_names_the_study_to_come_back_to(self):
@@ -232,7 +233,7 @@ class Interrupt(ServiceTest):
 
     def test_between_two_attempts(self):
         job = self.long_job()
-        events = os.path.join(self.folder, "events.json")
+        events = self.in_folder("events.json")
         with open(events, "w", encoding="utf-8") as file:
             process = self.begin("watch", "--json", job.id, stdout=file)
         until(lambda: os.path.getsize(events) > 0, 10)

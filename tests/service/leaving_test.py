@@ -2,10 +2,10 @@
 """How workers leave: after their patience, with their daemon, when told to; and how they are left running."""
 import os
 import signal
-import time
 
 from adoption import SUCCEEDED, AdoptionTest
-from support import curve, fake_case, job_log, main, start_ticks, until
+from support import curve, fake_case, job_log, main, start_ticks
+from waiting import stays, until
 
 
 def text_of(path):
@@ -20,8 +20,7 @@ class NoDaemonComes(AdoptionTest):
         expected = self.expected_curve(400)
         job_id, worker = self.running_job("steps=400 checkpoint=1000 sleep_ms=10")
         self.daemon.kill()
-        time.sleep(0.5)  # half of what it waits for a daemon
-        self.assertTrue(start_ticks(worker))
+        stays(lambda: start_ticks(worker), 0.5)  # half of what it waits for a daemon
         self.ends(worker)
         self.restart()
         self.assertGreater(self.resumed_once(job_id, expected), 20)

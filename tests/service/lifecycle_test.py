@@ -135,12 +135,12 @@ class Lifecycle(ServiceTest):
         self.assertEqual(failure.time_s, 4)
 
     def test_server_info_and_alloys(self):
-        info = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        info = self.client.ask("GetServerInfo")
         self.assertEqual(info.workers, 2)
         self.assertIn("gRPC", info.build)
         self.assertEqual((info.maximum_nodes, info.maximum_steps), (400000, 1000000))
         self.assertGreater(info.maximum_memory_bytes, 1e8)
-        alloys = self.client.stub.ListAlloys(service_pb2.ListAlloysRequest(), timeout=10).alloys
+        alloys = self.client.ask("ListAlloys").alloys
         self.assertIn("paper", [alloy.card for alloy in alloys])
 
 

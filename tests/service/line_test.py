@@ -8,7 +8,7 @@ import subprocess
 import dccast
 import grpc
 from data_study import CASE, DATA, DataStudyCase
-from dccast.v1 import judgement_pb2, line_pb2, service_pb2
+from dccast.v1 import judgement_pb2, line_pb2
 from support import BIN, ServiceTest, main
 
 Casting = line_pb2.LineCasting
@@ -24,7 +24,7 @@ class Records(ServiceTest):
         return ended.stdout + ended.stderr
 
     def line(self, name="pit-3"):
-        return self.client.stub.GetLine(line_pb2.GetLineRequest(id=name), timeout=30)
+        return self.client.ask("GetLine", id=name)
 
     def test_castings_are_added_shown_edited_and_forgotten(self):
         self.dccast("add", "pit-3", CASE, "--count", "200", "--outcome", "sound")
@@ -70,7 +70,7 @@ class Records(ServiceTest):
 
     def test_a_request_id_is_for_one_request(self):
         with open(CASE, encoding="utf-8") as file:
-            read = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=30)
+            read = self.client.ask("ReadCase", text=file.read())
         request = line_pb2.AddCastingsRequest(id="pit-3", request_id="mine")
         request.recipes.add(case=getattr(read, "case"))
         request.castings.add(record=Casting(outcome=Casting.SOUND, count=1))

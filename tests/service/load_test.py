@@ -10,12 +10,12 @@ import resource
 import sys
 import threading
 import time
-import unittest
 
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
 from support import ServiceTest, connected, fake_case, main
+from waiting import until
 
 LONG = "--long" in sys.argv
 if LONG:
@@ -58,7 +58,7 @@ class Load(ServiceTest):
     settings = {"workers__count": 1, "workers__stop_grace": "1 s"}
 
     def info(self):
-        return self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=60)
+        return self.client.ask("GetServerInfo")
 
     def occupy(self):
         """A job that keeps the only worker busy, so that others stay queued."""
@@ -91,9 +91,10 @@ class Checks(Load):
         for thread in threads:
             thread.start()
         delays = []
-        while any(thread.is_alive() for thread in threads):
+        def have_ended():
             delays.append(timed(self.info))
-            time.sleep(0.01)
+            return not any(thread.is_alive() for thread in threads)
+        until(have_ended, 60)
         for thread in threads:
             thread.join()
         print()

@@ -12,7 +12,6 @@ import tempfile
 import unittest
 import unittest.mock
 
-from dccast.v1 import service_pb2
 from support import BIN, Daemon, ServiceTest, connected, fake_case, main
 
 CASE_TITLE = "steps=1"
@@ -66,7 +65,7 @@ class LocalSocket(ServiceTest):
 
     def test_a_second_daemon_leaves_the_socket_to_the_first(self):
         job = self.client.submit(fake_case(CASE_TITLE))
-        folder = os.path.join(self.folder, "second")
+        folder = self.in_folder("second")
         os.mkdir(folder)
         with self.assertRaises(RuntimeError) as refused:
             Daemon(folder, listen__socket="").start()
@@ -87,7 +86,7 @@ class LocalSocket(ServiceTest):
 
     def test_a_path_that_is_too_long_is_refused_with_the_remedy(self):
         self.daemon.terminate()
-        os.environ["XDG_RUNTIME_DIR"] = os.path.join(self.folder, "x" * 120)
+        os.environ["XDG_RUNTIME_DIR"] = self.in_folder("x" * 120)
         with self.assertRaises(RuntimeError) as refused:
             self.daemon.start()
         self.assertIn("1 to 107 bytes", str(refused.exception))
@@ -125,11 +124,11 @@ class NoNetlink(ServiceTest):
     before_exec = staticmethod(without_netlink)
 
     def test_no_netlink_socket_is_opened(self):
-        who = self.client.stub.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        who = self.client.ask("WhoAmI")
         self.assertEqual(who.name, pwd.getpwuid(os.getuid()).pw_name)
         with connected(self.daemon.tls_address):
             pass
-        self.client.stub.WhoAmI(service_pb2.WhoAmIRequest(), timeout=10)
+        self.client.ask("WhoAmI")
         self.assertTrue(self.daemon.running())
 
 
@@ -192,9 +191,7 @@ class PortFile(ServiceTest):
 
     def test_a_link_at_its_temporary_name_is_not_followed(self):
         self.daemon.terminate()
-        victim = os.path.join(self.folder, "victim")
-        with open(victim, "w", encoding="ascii") as file:
-            file.write("as before")
+        victim = self.write_file("victim", "as before")
         os.symlink(victim, self.daemon.port_file + ".tmp")
         self.restart()
         with open(victim, encoding="ascii") as file:

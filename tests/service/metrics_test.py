@@ -17,7 +17,8 @@ import grpc
 
 from dccast.v1 import follow_pb2, job_pb2
 from follow_test import FollowTest
-from support import ServiceTest, fake_case, until
+from support import ServiceTest, fake_case
+from waiting import until
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 HOSTILE = "a\nERROR forged \x1b[2J \"quoted\" \\"

@@ -3,14 +3,13 @@
 kill -9, a cancellation, the loss of the store."""
 import json
 import os
-import subprocess
-import time
 
 import grpc
 
 from dccast.v1 import case_pb2, options_pb2, study_pb2
-from support import BIN, fake_case, main, until
+from support import fake_case, main
 from sweep_test import StudyTest
+from waiting import stays, until
 
 WANTED = 0.285
 
@@ -29,9 +28,8 @@ def slab_case(title):
 class Mould(StudyTest):
     def design(self, title="steps=3 mould=70", request_id="", **plan):
         plan = {"tolerance_m": 0.5e-3, **plan}
-        return self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            request_id=request_id, case=slab_case(title), mould=study_pb2.MouldPlan(**plan)),
-            timeout=30)
+        return self.client.ask("CreateStudy", request_id=request_id, case=slab_case(title),
+                               mould=study_pb2.MouldPlan(**plan))
 
     def opening(self, run):
         curve = self.client.pages(run.job)[0].case.section.half_thickness_m
@@ -64,7 +62,7 @@ class Mould(StudyTest):
 
     def test_a_watcher_sees_one_study_to_its_end(self):
         study = self.design("steps=10 sleep_ms=10 mould=70")
-        seen = list(self.client.stub.WatchStudy(study_pb2.WatchStudyRequest(id=study.id), timeout=60))
+        seen = list(self.client.ask("WatchStudy", id=study.id))
         self.assertEqual({message.state for message in seen[:-1]}, {study_pb2.STUDY_RUNNING})
         self.assertEqual(seen[-1].state, study_pb2.STUDY_SUCCEEDED)
 
@@ -109,8 +107,7 @@ class Mould(StudyTest):
         self.cancel(study.id)
         ended = self.until_ended(study.id)
         self.assertEqual(ended.state, study_pb2.STUDY_CANCELLED)
-        time.sleep(0.3)  # in which further runs would come
-        self.assertEqual(len(self.jobs_of(study.id)), 1)
+        stays(lambda: len(self.jobs_of(study.id)) == 1, 0.3)
         self.assertEqual(self.resume(study.id).state, study_pb2.STUDY_RUNNING)
         self.assertEqual(self.until_ended(study.id).state, study_pb2.STUDY_SUCCEEDED)
         self.assertTrue(self.evaluate(study.id).mould.within_tolerance)
@@ -120,27 +117,20 @@ class Mould(StudyTest):
                               (lambda c: setattr(c.mesh, "growth", False), "mesh.growth")):
             case = slab_case("steps=2")
             change(case)
-            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.CreateStudy,
-                                 study_pb2.CreateStudyRequest(
-                                     case=case, mould=study_pb2.MouldPlan(tolerance_m=1e-3)),
-                                 timeout=20)
+            error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.ask, "CreateStudy",
+                case=case, mould=study_pb2.MouldPlan(tolerance_m=1e-3))
             self.assertIn(field, error.details())
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.design, tolerance_m=0.0)
         self.assertIn("mould.tolerance", error.details())
 
-    def dccast(self, *words):
-        return subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                              capture_output=True, text=True, timeout=60, check=False)
-
     def test_the_command(self):
         study = self.design()
         self.until_ended(study.id)
-        shown = self.dccast("design-mould", "--study", study.id)
-        self.assertEqual(shown.returncode, 0, shown.stderr)
+        shown = self.run_dccast("design-mould", "--study", study.id)
         self.assertIn("A mould with half-openings of", shown.stdout)
         self.assertIn("flat within", shown.stdout)
 
-        as_json = json.loads(self.dccast("design-mould", "--study", study.id, "--json").stdout)
+        as_json = json.loads(self.dccast("design-mould", "--study", study.id, "--json"))
         self.assertTrue(as_json["mould"]["within_tolerance"])
         self.assertTrue(as_json["mould"]["is_steady"])
         self.assertEqual(as_json["mould"]["wanted_half_thickness_m"], WANTED)
@@ -148,25 +138,24 @@ class Mould(StudyTest):
         self.assertEqual(min(residuals), residuals[-1])
         self.assertAlmostEqual(residuals[0], 0.07 * WANTED, places=9)
 
-        page = os.path.join(self.folder, "mould.html")
-        self.assertEqual(self.dccast("design-mould", "--study", study.id, "--plot", page,
-                                     "--no-wait").returncode, 0)
+        page = self.in_folder("mould.html")
+        self.run_dccast("design-mould", "--study", study.id, "--plot", page, "--no-wait")
 
         with open(page, encoding="utf-8") as file:
             text = file.read()
         self.assertEqual(text.count("data-kind='chart'"), 2)
-        self.assertIn("mould", self.dccast("studies").stdout)
-        self.assertIn("mould", self.dccast("studies", "show", study.id).stdout)
+        self.assertIn("mould", self.dccast("studies"))
+        self.assertIn("mould", self.dccast("studies", "show", study.id))
         self.assertIn("designs no mould", self.dccast(
             "design-mould", "--study",
-            self.create(fake_case("steps=1"), {"mesh.rows": [10, 11]}).id).stderr)
+            self.create(fake_case("steps=1"), {"mesh.rows": [10, 11]}).id, code=2))
 
     def test_the_store_is_made_again_from_what_is_there(self):
         study = self.design()
         ended = self.until_ended(study.id)
         self.daemon.kill()
         for end in ("", "-wal", "-shm"):
-            os.remove(os.path.join(self.folder, "data", "jobs.sqlite" + end))
+            os.remove(self.in_folder("data", "jobs.sqlite" + end))
         self.restart()
         again = self.until_ended(study.id)
         self.assertEqual((again.state, again.runs), (ended.state, ended.runs))

@@ -7,12 +7,13 @@ import subprocess
 
 import numpy
 
-from dccast.v1 import service_pb2, study_pb2
+from dccast.v1 import study_pb2
 from certificates import TestCa
 from follow_test import END, FollowTest, levers, table
 from mqtt_client import MqttClient
 from real_run_test import physics
-from support import WAIT_FACTOR, main, until
+from support import main
+from waiting import WAIT_FACTOR, until
 
 USER, PASSWORD = "logger", "a secret"
 
@@ -84,7 +85,7 @@ class MqttTest(FollowTest):
 
     def login(self, mode=0o600, **texts):
         texts = texts or {"user": USER, "password": PASSWORD}
-        path = os.path.join(self.folder, "broker.toml")
+        path = self.in_folder("broker.toml")
         with open(path, "w", encoding="utf-8") as file:
             file.writelines(f"{key} = {json.dumps(text)}\n" for key, text in texts.items())
         os.chmod(path, mode)
@@ -92,7 +93,7 @@ class MqttTest(FollowTest):
 
     def start(self, *words, topic="pit3/readings", scheme="mqtt"):
         """`dccast follow` of the topic, which waits for the first reading."""
-        with open(os.path.join(self.folder, "said"), "w", encoding="utf-8") as err:
+        with open(self.in_folder("said"), "w", encoding="utf-8") as err:
             process = subprocess.Popen(
                 [*self.dccast_words("follow", self.case_file(), "--set", "quality=draft", "--readings",
                                     f"{scheme}://127.0.0.1:{self.broker.port}/{topic}"), *words],
@@ -101,7 +102,7 @@ class MqttTest(FollowTest):
         return process
 
     def said(self):
-        with open(os.path.join(self.folder, "said"), encoding="utf-8") as file:
+        with open(self.in_folder("said"), encoding="utf-8") as file:
             return file.read()
 
     def dccast_words(self, *words):
@@ -111,14 +112,12 @@ class MqttTest(FollowTest):
         self.assertEqual(process.wait(timeout=60 * WAIT_FACTOR), code, self.said())
 
     def newest_job(self):
-        return self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[0].id
+        return self.client.ask("ListJobs").jobs[0].id
 
 
 class Readings(MqttTest):
     def test_a_topic_gives_what_a_table_gives(self):
-        path = os.path.join(self.folder, "table.csv")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(table())
+        path = self.write_file("table.csv", table())
         self.ended(self.dccast("follow", self.case_file(), "--set", "quality=draft", "--readings", path))
         expected = physics(self.steps_at_end(self.newest_job()))
 
@@ -161,7 +160,7 @@ class Readings(MqttTest):
         self.broker.stop()
         self.ends(self.start("--broker", self.login()), code=4)
         self.assertIn("does not answer: Connection refused", self.said())
-        self.assertFalse(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs)
+        self.assertFalse(self.client.ask("ListJobs").jobs)
 
 
 class Tls(MqttTest):
@@ -190,7 +189,7 @@ class Alarms(MqttTest):
         curve = next(each for each in self.client.stub.EvaluateStudy(request, timeout=30).runs[0].curves
                      if each.monitor == "corner")
 
-        path, told = (os.path.join(self.folder, name) for name in ("curls.csv", "told"))
+        path, told = (self.in_folder(name) for name in ("curls.csv", "told"))
         with open(path, "w", encoding="utf-8") as file:
             file.write("time [s], curl corner [mm]\n")
             for t in range(0, END):

@@ -38,7 +38,7 @@ class Commands(ServiceTest):
         return job.id
 
     def here(self, name):
-        return os.path.join(self.folder, name)
+        return self.in_folder(name)
 
     def write_case(self, name, **changes):
         with open(os.path.join(CASES, "start-2d-thickness.toml"), encoding="utf-8") as file:
@@ -213,7 +213,7 @@ class Output(Commands):
         for reason, cause in (("wrong alloy", "cancelled: wrong alloy"), ("", "cancelled by request")):
             job = self.client.submit(fake_case("steps=100000 sleep_ms=5"))
             self.client.until_step(job.id, 3)
-            self.client.stub.CancelJob(service_pb2.CancelJobRequest(id=job.id, reason=reason))
+            self.client.ask("CancelJob", id=job.id, reason=reason)
             self.dccast("wait", job.id, code=3)
             self.assertRegex(self.dccast("show", job.id).stdout, f"cause +{cause}\n")
             self.assertEqual(json.loads(self.dccast("show", "--json", job.id).stdout)["cause"], cause)
@@ -256,20 +256,20 @@ class Output(Commands):
     # -- cases
 
     def test_a_slab_becomes_a_case(self):
-        path = os.path.join(self.folder, "slab.toml")
+        path = self.in_folder("slab.toml")
         made = self.dccast("new", "--slab", "1320x570mm", "--alloy", "aa5182", "--speed",
                            "45..55mm/min", "--water", "25..45m3/h", "--out", path)
         self.assertIn("25 -> 45 m3/h = 110.2 -> 198.4 l/min/m", made.stderr)
 
         said = self.dccast("validate", "--local", path, "--drawing",
-                           os.path.join(self.folder, "slab.html"))
+                           self.in_folder("slab.html"))
         words = ("slab 1320 x 570 mm of aa5182, speed 45 -> 55 mm/min from 51 s to 174 s (over "
                  "102.5 mm), water 110.2 -> 198.4 l/min/m = 25 -> 45 m3/h")
         self.assertEqual(said.stdout.splitlines()[0], words)
         self.assertEqual(json.loads(self.dccast("validate", "--local", "--json", path).stdout)["casting"],
                          words)
 
-        with open(os.path.join(self.folder, "slab.html"), encoding="utf-8") as file:
+        with open(self.in_folder("slab.html"), encoding="utf-8") as file:
             self.assertIn("data-kind='casting'", file.read())
         self.assertIn("exists already", self.dccast("new", "--slab", "1320x570mm", "-o", path,
                                                     code=2).stderr)
@@ -277,7 +277,7 @@ class Output(Commands):
         self.assertIn("belong to --slab", self.dccast("new", "--speed", "45mm/min", code=2).stderr)
 
     def test_a_new_case_is_checked_by_a_draft(self):
-        path = os.path.join(self.folder, "slab.toml")
+        path = self.in_folder("slab.toml")
         recipe = ("new", "--slab", "1860x510mm", "--alloy", "aa1050", "--check")
         self.assertIn("give --out FILE", self.dccast(*recipe, code=2).stderr)
 
@@ -303,7 +303,7 @@ class Output(Commands):
         self.assertIn("a speed is expected", screen)
         self.assertEqual([screen.count(word) for word in ("Slab, width", "Alloy, a card", "Casting speed, ")],
                          [2, 1, 2])
-        with open(os.path.join(self.folder, "asked.toml"), encoding="utf-8") as file:
+        with open(self.in_folder("asked.toml"), encoding="utf-8") as file:
             self.assertIn('card = "aa3104" # [G]', file.read())
 
     def test_a_study_has_short_names(self):

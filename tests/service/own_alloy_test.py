@@ -1,11 +1,9 @@
 #!/usr/bin/python3
 """A card of one's own, named by its path: from the command line, Python, and in a study."""
-import os
 import pathlib
-import subprocess
 
 import dccast
-from support import BIN, ServiceTest, main
+from support import ServiceTest, main
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CARD = (ROOT / "cases/alloys/paper.toml").read_text(encoding="utf-8")
@@ -25,10 +23,7 @@ class CardTest(ServiceTest):
         self.service = dccast.connect(self.daemon.address)
 
     def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=60, check=False,
-                               cwd=self.folder)
-        self.assertEqual(ended.returncode, code, ended.stderr)
+        ended = self.run_dccast(*words, code=code)
         return ended.stdout + ended.stderr
 
 
@@ -68,7 +63,8 @@ class OwnAlloy(CardTest):
         for text, fault in (("Time [s], density [kg/m3]\n", ":1: \"Time [s]\" is no temperature"),
                             ("T (C), densty (kg/m3)\n20, 2700\n", "unknown key"),
                             ("T (C), density (W)\n20, 2700\n", "is of another kind than kg/m3"),
-                            ("T (C), density (kg/m3)\n20, 2,7\n", ":2:")):
+                            ("T (C), density (kg/m3)\n20, 2,7\n", ":2:"),
+                            ("T (C), density (kg/m3)\n20, 2700\nwarm, 2690\n", ':3: "warm"')):
             table.write_text(text)
             self.assertIn(fault, self.dccast("alloys", "paper", "--table", str(table), code=2))
 

@@ -8,7 +8,8 @@ import unittest
 
 import h5py
 import numpy as np
-from support import BIN, WAIT_FACTOR, ServiceTest, main
+from support import ServiceTest, main
+from waiting import WAIT_FACTOR
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 CASES = os.path.join(HERE, "..", "..", "cases")
@@ -21,19 +22,15 @@ ELEMENT_FIELDS = {"stress_pa", "viscoplastic_strain", "von_mises_pa"}
 class ParaView(ServiceTest):
     worker = "dccast-worker"
 
-    def dccast(self, *words):
-        subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                       capture_output=True, timeout=120 * WAIT_FACTOR, check=True)
-
     def read(self, case):
         """The stored file, and what each reader of ParaView makes of it."""
         self.dccast("submit", "--watch", os.path.join(CASES, case), "--set", "quality=draft",
                     "--set", "time.end=15 s")
-        self.dccast("fetch", "last", "-o", os.path.join(self.folder, "run.h5"))
+        self.dccast("fetch", "last", "-o", self.in_folder("run.h5"))
         said = subprocess.run([PVPYTHON, os.path.join(HERE, "paraview_reads.py"), "./run.xdmf"],
                               cwd=self.folder, capture_output=True, text=True, timeout=120 * WAIT_FACTOR,
                               check=True)
-        return h5py.File(os.path.join(self.folder, "run.h5")), json.loads(said.stdout)
+        return h5py.File(self.in_folder("run.h5")), json.loads(said.stdout)
 
     def check(self, case, dimension):
         file, readers = self.read(case)
@@ -62,7 +59,7 @@ class ParaView(ServiceTest):
     def test_the_script_of_the_docs_draws_without_a_display(self):
         self.dccast("submit", "--watch", os.path.join(CASES, "start-3d.toml"), "--set", "quality=draft",
                     "--set", "time.end=15 s")
-        self.dccast("fetch", "last", "-o", os.path.join(self.folder, "run.h5"))
+        self.dccast("fetch", "last", "-o", self.in_folder("run.h5"))
         for name in ("run.xdmf", "run-end.xdmf"):
             drawn = subprocess.run([PVPYTHON, os.path.join(HERE, "..", "..", "docs", "paraview_slab.py"), name],
                                    cwd=self.folder, capture_output=True, text=True, timeout=120 * WAIT_FACTOR,

@@ -13,13 +13,13 @@ import dccast
 import matplotlib
 import numpy as np
 import PIL.Image
-from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from dashboard_test import CASES, InBrowser
-from dccast.v1 import job_pb2, service_pb2
-from support import BIN, main, until
+from dccast.v1 import job_pb2
+from support import main
 from wall_test import Wall
+from waiting import until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MADE = os.environ.get("DCCAST_PICTURES", "pictures")
@@ -62,13 +62,10 @@ class Camera(InBrowser):
 
 class Pictures(Camera):
     def dccast(self, *words):
-        done = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                              capture_output=True, text=True, timeout=300, check=False, cwd=self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.strip()
+        return super().dccast(*words).strip()
 
     def show(self, file, selector="body"):
-        self.browser.get("file://" + os.path.join(self.folder, file))
+        self.browser.get("file://" + self.in_folder(file))
         return self.find(selector)
 
     def test_report_drawing_and_page(self):
@@ -95,7 +92,7 @@ class Pictures(Camera):
         self.find("canvas[aria-label^='Stress']", 60)
         self.find(".cuts option[value='1']").click()
         self.find("canvas").click()
-        time.sleep(1)
+        time.sleep(1)  # a canvas does not say that it is drawn
         self.take("dashboard-slab.png", ".job-parts")
         for name in ("report.png", "quarter-slab.png", "casting-drawing.png"):
             self.keep(name)
@@ -108,7 +105,7 @@ class Pictures(Camera):
         for _ in range(12):
             slider.send_keys(Keys.ARROW_RIGHT)
         self.wait_for("Changed: corner", seconds=60)
-        time.sleep(1)
+        time.sleep(1)  # a canvas does not say that it is drawn
         self.take("dashboard-what-if.png")
 
     def test_new_case(self):
@@ -165,7 +162,7 @@ class Pictures(Camera):
         self.keep("python-curl.png")
         frame = (1000 * job.curl_frame().drop(columns="beyond_validity")).round(3)
         frame.columns = [name.removesuffix("_m") + "_mm" for name in frame.columns]
-        frame.iloc[:: len(frame) // 30].to_csv(os.path.join(self.folder, "curl.csv"))
+        frame.iloc[:: len(frame) // 30].to_csv(self.in_folder("curl.csv"))
         with self.subTest("a spreadsheet opens the table"):
             for words in (["soffice", f"-env:UserInstallation=file://{self.folder}/office", "--headless",
                            "--convert-to", "pdf", "curl.csv"],
@@ -201,7 +198,7 @@ class Following(Wall, Camera):
             lines.append(f"{t}, {40 if t > 0 else 0}, 90, 680, {curl_mm:.2f}")
         following.stdin.write("\n".join(lines) + "\n")
         following.stdin.flush()
-        jobs = lambda: self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=20).jobs
+        jobs = lambda: self.client.ask("ListJobs").jobs
         until(lambda: any(job.HasField("casting") and job.last_step.time_s >= 43 for job in jobs()), 60)
         self.browser.set_window_size(1200, 900)
         self.go("wall")

@@ -31,7 +31,8 @@ import dccast.v1.service_pb2
 import dccast.v1.study_pb2
 from dccast.text import millimetres
 from doctor_test import ClientTest
-from support import BIN, ServiceTest, main, until
+from support import BIN, ServiceTest, main
+from waiting import until
 
 CASE = "start-2d-thickness"
 QUICK = {"quality": "draft", "time.end": "20 s"}
@@ -136,7 +137,7 @@ class Figures(PackageTest):
         self.assertEqual(last.points_m.shape, last.displacement_m.shape)
         self.assertLess(last.cells.max(), len(last.temperature_c))
 
-        file = os.path.join(self.folder, "end.vtu")
+        file = self.in_folder("end.vtu")
         last.to_meshio().write(file)
         import meshio
         np.testing.assert_allclose(meshio.read(file).point_data["temperature_c"], last.temperature_c)
@@ -482,7 +483,7 @@ class Steering(PackageTest):
         job.cancel()
 
         with socket.socket(socket.AF_UNIX) as mute:
-            mute.bind(os.path.join(self.folder, "mute"))
+            mute.bind(self.in_folder("mute"))
             mute.listen()
             with self.assertRaises(dccast.DccastError) as caught:
                 dccast.connect(f"unix:{self.folder}/mute", timeout_s=0.5).info()
@@ -645,7 +646,7 @@ class Remote(ClientTest):
 
     def from_here(self):
         """The settings of this test, as those of this process."""
-        variables = {"XDG_CONFIG_HOME": os.path.join(self.folder, "settings")}
+        variables = {"XDG_CONFIG_HOME": self.in_folder("settings")}
         self.enterContext(unittest.mock.patch.dict(os.environ, variables))
         for name in ("DCCAST_SERVER", "DCCAST_CONFIG"):
             os.environ.pop(name, None)

@@ -10,7 +10,8 @@ import time
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, curve, fake_case, main, until, work_of
+from support import BIN, ServiceTest, curve, fake_case, main, work_of
+from waiting import until
 
 
 def question(title="", columns=30, **rest):
@@ -34,7 +35,7 @@ class QueryTest(ServiceTest):
         return self.client.stub.QueryButtCurl(question(*arguments, **rest), timeout=timeout)
 
     def jobs(self, **filters):
-        return list(self.client.stub.ListJobs(service_pb2.ListJobsRequest(**filters)).jobs)
+        return list(self.client.ask("ListJobs", **filters).jobs)
 
     def query_processes(self):
         """Those that compute a query now."""
@@ -58,8 +59,8 @@ class Queries(QueryTest):
         self.assertEqual(ended.state, job_pb2.SUCCEEDED)
         self.assertLess(times[1], times[-1] / 2)
         self.assertEqual(self.jobs(), [])
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "jobs")), [])
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
+        self.assertEqual(os.listdir(self.in_folder("data", "jobs")), [])
+        self.assertEqual(os.listdir(self.in_folder("data", "check")), [])
 
     def test_the_answer_is_that_of_a_job(self):
         job = self.client.submit(fake_case("steps=30", mesh={"columns": 7}))
@@ -88,7 +89,7 @@ class Queries(QueryTest):
         self.assertEqual(accepted.job, job.id)
         self.assertEqual(curve(steps), curve(self.client.steps(job.id)))
         self.assertEqual(ended.state, job_pb2.SUCCEEDED)
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+        self.client.ask("DeleteJob", id=job.id)
         accepted, _, _ = parts(self.ask("steps=10", columns=11))
         self.assertFalse(accepted.from_store)
 
@@ -131,7 +132,7 @@ class Cancelling(QueryTest):
         _, steps, _ = parts(self.ask("steps=5", columns=14))
         self.assertEqual(len(steps), 5)
         self.assertEqual(self.jobs(), [])
-        until(lambda: os.listdir(os.path.join(self.folder, "data", "check")) == [], 1.0)
+        until(lambda: os.listdir(self.in_folder("data", "check")) == [], 1.0)
 
     def test_a_deadline_ends_it_too(self):
         self.refused(grpc.StatusCode.DEADLINE_EXCEEDED, self.ask, "steps=100000 sleep_ms=5",
@@ -174,13 +175,12 @@ class SeveralAtOnce(QueryTest):
                              timeout=10, check=True).stdout
         files = []
         for number in range(3):
-            files.append(os.path.join(self.folder, f"case{number}.toml"))
+            files.append(self.in_folder(f"case{number}.toml"))
             with open(files[-1], "w", encoding="utf-8") as file:
                 file.write(re.sub(r"(?m)^title = .*$", 'title = "steps=40 sleep_ms=25"', new))
                 file.write(f'\n[validity]\nmaximum_slip = "{7 + number} mm"\n')
         begin = time.monotonic()
-        subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "compare",
-                        *files], capture_output=True, timeout=30, check=True)
+        self.dccast("compare", *files)
         self.assertLess(time.monotonic() - begin, 2.0)
 
 
@@ -298,12 +298,11 @@ class BesideAComparison(QueryTest):
                              capture_output=True, text=True, timeout=10, check=True).stdout
         files = []
         for number, title in enumerate(titles):
-            files.append(os.path.join(self.folder, f"compared{number}.toml"))
+            files.append(self.in_folder(f"compared{number}.toml"))
             with open(files[-1], "w", encoding="utf-8") as file:
                 file.write(re.sub(r"(?m)^title = .*$", f'title = "{title}"', new))
                 file.write(f'\n[validity]\nmaximum_slip = "{7 + number} mm"\n')
-        process = subprocess.Popen([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                    "compare", *files], stdout=subprocess.DEVNULL,
+        process = subprocess.Popen(self.client_command("compare", *files), stdout=subprocess.DEVNULL,
                                    stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end, process)
         return process

@@ -10,24 +10,19 @@ import subprocess
 import grpc
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, until
+from support import BIN, ServiceTest, fake_case, main
+from waiting import until
 
 SUCCEEDED, CANCELLED = job_pb2.SUCCEEDED, job_pb2.CANCELLED
 SHIPPED = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 
 
 class QueueTest(ServiceTest):
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, timeout=60, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr.decode())
-        return ended.stdout.decode() if code == 0 else ended.stderr.decode()
-
     def case_file(self, name, title):
         with open(SHIPPED, encoding="utf-8") as file:
             lines = [f'title = "{title}"' if line.startswith("title =") else line.rstrip("\n")
                      for line in file]
-        path = os.path.join(self.folder, name)
+        path = self.in_folder(name)
         with open(path, "w", encoding="utf-8") as file:
             file.write("\n".join(lines) + "\n# a comment with ü and  two blanks")
         return path
@@ -135,9 +130,7 @@ class Cases(QueueTest):
 
     def test_a_job_without_a_file_has_one_by_its_case(self):
         job = self.client.submit(fake_case("steps=5"))
-        path = os.path.join(self.folder, "by_its_case.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(self.dccast("case", job.id))
+        path = self.write_file("by_its_case.toml", self.dccast("case", job.id))
         again = [self.dccast("submit", path).strip(), self.dccast("submit", "--from", job.id).strip()]
         for one in again:
             self.assertEqual(self.client.job(one).case_sha256, job.case_sha256)
@@ -291,7 +284,7 @@ class Lists(QueueTest):
 
     def test_a_command_is_run_for_each_job_that_has_ended(self):
         jobs = [self.client.submit(fake_case(title)).id for title in ("steps=5", "steps=5 fail_at=2")]
-        told = os.path.join(self.folder, "told")
+        told = self.in_folder("told")
         self.dccast("wait", "--notify", f'echo "$DCCAST_JOB $DCCAST_STATE $DCCAST_TITLE" >> {told}',
                     *jobs, code=3)
         with open(told, encoding="utf-8") as file:
@@ -489,8 +482,8 @@ class Hooks(QueueTest):
     def setUp(self):
         super().setUp()
         self.daemon.terminate()
-        self.told = os.path.join(self.folder, "told")
-        hook = os.path.join(self.folder, "hook")
+        self.told = self.in_folder("told")
+        hook = self.in_folder("hook")
         with open(hook, "w", encoding="utf-8") as file:
             file.write("#!/bin/sh\n"
                        f'echo "$# $1 $2 $DCCAST_JOB $DCCAST_STATE $DCCAST_OWNER $DCCAST_MAIL" >>{self.told}\n'
@@ -536,7 +529,7 @@ class Hooks(QueueTest):
 
     def test_submit_waits_and_notifies(self):
         files = [self.case_file("a.toml", "steps=5"), self.case_file("b.toml", "steps=5 fail_at=2")]
-        noted = os.path.join(self.folder, "noted")
+        noted = self.in_folder("noted")
         self.dccast("submit", "--notify", f'echo "$DCCAST_STATE" >> {noted}', *files, code=3)
         with open(noted, encoding="utf-8") as file:
             self.assertEqual(file.read().split(), ["succeeded", "failed"])

@@ -10,7 +10,8 @@ import sys
 import tempfile
 import unittest
 
-from support import BIN, SANITIZED, WAIT_FACTOR, until
+from support import BIN, SANITIZED
+from waiting import WAIT_FACTOR, until
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

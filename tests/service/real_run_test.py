@@ -10,8 +10,9 @@ import grpc
 import h5py
 import numpy
 
-from dccast.v1 import job_pb2, service_pb2
-from support import BIN, WAIT_FACTOR, ServiceTest, main
+from dccast.v1 import job_pb2
+from support import ServiceTest, main
+from waiting import WAIT_FACTOR
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 CHECK = os.path.join(os.path.dirname(__file__), "..", "unit", "results", "check_results_file.py")
@@ -31,11 +32,7 @@ class RealRunTest(ServiceTest):
 
     def submit_case(self, *changes, path=CASE):
         words = [word for change in changes for word in ("--set", change)]
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                "submit", "--json", *words, path], capture_output=True, text=True,
-                               timeout=60, check=False)
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        return json.loads(ended.stdout)["id"]
+        return json.loads(self.run_dccast("submit", "--json", *words, path).stdout)["id"]
 
     def finished_steps(self, job_id):
         events = self.sound_events(list(self.client.watch(job_id, timeout=120 * WAIT_FACTOR)))
@@ -71,11 +68,9 @@ class RealRun(RealRunTest):
     def test_fetched_files_can_move_together(self):
         job_id = self.submit_case()
         self.finished_steps(job_id)
-        here, there = os.path.join(self.folder, "here"), os.path.join(self.folder, "there")
+        here, there = self.in_folder("here"), self.in_folder("there")
         os.mkdir(here)
-        subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "fetch",
-                        job_id, "-o", os.path.join(here, "run.h5")], timeout=60, check=True,
-                       capture_output=True)
+        self.run_dccast("fetch", job_id, "-o", os.path.join(here, "run.h5"))
         os.rename(here, there)
         checked = subprocess.run(["/usr/bin/python3", CHECK, os.path.join(there, "run.h5")],
                                  capture_output=True, text=True, timeout=60, check=False)
@@ -91,15 +86,8 @@ class RealRun(RealRunTest):
             self.assertEqual(text.count(right), 1, right)
             text = text.replace(right, wrong)
 
-        path = os.path.join(self.folder, "faulty.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address,
-                                "validate", "--json", path], capture_output=True, text=True,
-                               timeout=60, check=False)
-        self.assertEqual(ended.returncode, 2, ended.stderr)
-
-        answer = json.loads(ended.stdout)
+        path = self.write_file("faulty.toml", text)
+        answer = json.loads(self.run_dccast("validate", "--json", path, code=2).stdout)
         self.assertEqual([fault["field"] for fault in answer["faults"]],
                          ["section.half_width", "alloy.coherency", "time.step", "monitor[1].name"])
 
@@ -117,8 +105,7 @@ class RealRun(RealRunTest):
         self.assertEqual(hashlib.sha256(content).hexdigest(), artifact.sha256)
         self.assertEqual(content[:8], b"\x89HDF\r\n\x1a\n")
 
-        frame = self.client.stub.QueryResult(
-            service_pb2.QueryResultRequest(id=job_id, frame=True), timeout=20).frame
+        frame = self.client.ask("QueryResult", id=job_id, frame=True).frame
         self.assertAlmostEqual(frame.time_s, 145)
 
         nodes = len(frame.temperature_c)
@@ -132,10 +119,9 @@ class RealRun(RealRunTest):
         for number in range(2):
             job_id = self.submit_case("quality=draft")
             self.finished_steps(job_id)
-            folder = os.path.join(self.folder, str(number))
+            folder = self.in_folder(str(number))
             os.mkdir(folder)
-            subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "fetch", job_id,
-                            "-o", folder], check=True, timeout=60, capture_output=True)
+            self.dccast("fetch", job_id, "-o", folder)
             folders.append((job_id, folder))
         contents = []
         for job_id, folder in folders:
@@ -153,8 +139,7 @@ class RealRun(RealRunTest):
         self.assertEqual(contents[0], contents[1])
 
     def page(self, job_id, number, **rest):
-        return self.client.stub.QueryResult(service_pb2.QueryResultRequest(
-            id=job_id, frame=True, frame_number=number, **rest), timeout=60)
+        return self.client.ask("QueryResult", id=job_id, frame=True, frame_number=number, **rest)
 
     def test_every_stored_frame_can_be_asked_for(self):
         job_id = self.submit_case("quality=draft")
@@ -180,7 +165,7 @@ class RealRun(RealRunTest):
         job_id = self.submit_case("quality=draft", "time.end=20 s")
         self.finished_steps(job_id)
         self.assertEqual(self.client.job(job_id).quality, "draft")
-        path = os.path.join(self.folder, "results.h5")
+        path = self.in_folder("results.h5")
         with open(path, "wb") as file:
             for chunk in self.client.fetch(job_id):
                 file.write(chunk.data)
@@ -221,9 +206,7 @@ class RealRun(RealRunTest):
             text = shipped.read()
         monitors = "".join(f'[[monitor]]\nname = "{number} {"x" * 58}"\nx = "0 m"\ny = "0 m"\n'
                            for number in range(990))
-        path = os.path.join(self.folder, "large.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text + monitors)
+        path = self.write_file("large.toml", text + monitors)
         changes = ("mesh.columns=400", "mesh.rows=187", "mesh.growth_cell=1 mm",
                    "mechanics.enabled=false", "schedule.hold=0 s", "time.end=2 s",
                    "time.step=0.2 s", "schedule.casting_speed=50 mm/s")

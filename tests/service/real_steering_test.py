@@ -3,11 +3,10 @@
 import json
 import os
 import re
-import subprocess
-import time
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, main, until
+from support import ServiceTest, main
+from waiting import stays, until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 
@@ -16,26 +15,15 @@ class RealSteering(ServiceTest):
     worker = "dccast-worker"
     settings = {"workers__count": 1}
 
-    def dccast(self, *words):
-        return subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                              capture_output=True, text=True, timeout=60, check=False,
-                              cwd=self.folder)
-
-    def done(self, *words):
-        ended = self.dccast(*words)
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        return ended.stdout
-
     def wrong_state(self, *words, state, remedy):
         """Refused with exit code 6, the state it is in, and what to do instead."""
-        ended = self.dccast(*words)
-        self.assertEqual(ended.returncode, 6, ended)
+        ended = self.run_dccast(*words, code=6)
         self.assertEqual(ended.stdout, "")
         self.assertRegex(ended.stderr, rf"^dccast: job {words[1]} is {state}; .*{remedy}")
 
     def submit(self, columns=8):
         """A coarse thickness section in small steps: 800 of them in a second or two."""
-        path = os.path.join(self.folder, f"{columns}.toml")
+        path = self.in_folder(f"{columns}.toml")
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
         mesh = (f'[mesh]\ncolumns = {columns}\nrows = 22\nside_cell = "10 mm"\n'
@@ -46,7 +34,7 @@ class RealSteering(ServiceTest):
             self.assertGreater(changes, 0, pattern)
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
-        return self.done("submit", path).strip()
+        return self.dccast("submit", path).strip()
 
     def running_at_step(self, step):
         job_id = self.submit()
@@ -55,7 +43,7 @@ class RealSteering(ServiceTest):
         return job_id
 
     def folder_of(self, job_id):
-        return os.path.join(self.folder, "data", "jobs", job_id)
+        return self.in_folder("data", "jobs", job_id)
 
     def results(self, job_id):
         """What a finished job leaves: every report bit by bit, and its files by their checksums."""
@@ -71,24 +59,26 @@ class RealSteering(ServiceTest):
     def assert_stands_still(self, job_id):
         until(lambda: not self.daemon.worker_processes(), 10)
         step = self.client.job(job_id).last_step.step
-        time.sleep(0.3)  # in which it would go on
-        job = self.client.job(job_id)
-        self.assertEqual((job.state, job.last_step.step), (job_pb2.PAUSED, step))
+
+        def stands():
+            job = self.client.job(job_id)
+            return (job.state, job.last_step.step) == (job_pb2.PAUSED, step)
+        stays(stands, 0.3)
         return step
 
     def test_paused_at_a_checkpoint_and_resumed_to_the_same_bits(self):
         undisturbed = self.results(self.submit())
         job_id = self.running_at_step(60)
-        self.done("pause", job_id)
+        self.dccast("pause", job_id)
         self.client.until_state(job_id, job_pb2.PAUSED)
         step = self.assert_stands_still(job_id)
         self.assertTrue(os.path.exists(os.path.join(self.folder_of(job_id), "checkpoint.bin")))
-        self.assertEqual(self.done("pause", job_id), f"{job_id} paused\n")  # again: as it is
+        self.assertEqual(self.dccast("pause", job_id), f"{job_id} paused\n")  # again: as it is
 
         self.daemon.terminate()  # a paused job stays so when the daemon starts again
         self.restart()
         self.assertEqual(self.assert_stands_still(job_id), step)
-        self.done("resume", job_id)
+        self.dccast("resume", job_id)
         events = self.sound_events(list(self.client.watch(job_id)))
         # At the very step it was paused after: nothing is computed twice.
         self.assertEqual([e.resumed.step for e in events if e.HasField("resumed")], [step])
@@ -100,21 +90,21 @@ class RealSteering(ServiceTest):
         ahead = self.running_at_step(1)
         queued = self.submit()
         self.assertEqual(self.client.job(queued).queue_position, 1)
-        self.assertEqual(self.done("pause", queued), f"{queued} paused\n")
+        self.assertEqual(self.dccast("pause", queued), f"{queued} paused\n")
         self.results(ahead)  # its worker is free from here on
         self.assert_stands_still(queued)
         self.assertEqual(self.client.job(queued).attempts, 0)
-        self.done("resume", queued)
+        self.dccast("resume", queued)
         self.assertEqual(self.results(queued), undisturbed)
         self.assertEqual(self.client.job(queued).attempts, 1)
 
     def test_cancelled_and_deleted_nothing_is_left(self):
         running = self.running_at_step(5)
         queued = self.submit()
-        self.assertEqual(self.done("cancel", queued, "--reason", "wrong alloy"),
+        self.assertEqual(self.dccast("cancel", queued, "--reason", "wrong alloy"),
                          f"{queued} cancelled\n")
 
-        self.done("cancel", running)
+        self.dccast("cancel", running)
         self.client.until_state(running, job_pb2.CANCELLED)
         until(lambda: not self.daemon.worker_processes(), 10)
         last = list(self.client.watch(queued))[-1].state_change
@@ -125,26 +115,24 @@ class RealSteering(ServiceTest):
         self.results(succeeded)
         for job_id in (running, queued, succeeded):
             self.assertTrue(os.path.exists(self.folder_of(job_id)))
-            self.assertEqual(json.loads(self.done("delete", "--json", job_id)),
+            self.assertEqual(json.loads(self.dccast("delete", "--json", job_id)),
                              {"id": job_id, "deleted": True})
             self.assertFalse(os.path.exists(self.folder_of(job_id)))
             for command in ("show", "watch", "fetch", "report", "delete", "resume"):
-                gone = self.dccast(command, job_id)
-                self.assertEqual(gone.returncode, 5, (command, gone))
-                self.assertIn(f"there is no job {job_id}", gone.stderr)
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "jobs")), [])
+                self.assertIn(f"there is no job {job_id}", self.dccast(command, job_id, code=5))
+        self.assertEqual(os.listdir(self.in_folder("data", "jobs")), [])
 
         self.daemon.terminate()
         self.restart()
-        self.assertEqual(json.loads(self.done("list", "--json")), [])
+        self.assertEqual(json.loads(self.dccast("list", "--json")), [])
 
     def test_a_paused_job_can_be_cancelled_and_then_deleted(self):
         job_id = self.running_at_step(5)
-        self.done("pause", job_id)
+        self.dccast("pause", job_id)
         self.client.until_state(job_id, job_pb2.PAUSED)
         self.wrong_state("delete", job_id, state="PAUSED", remedy="cancel it first")
-        self.assertEqual(self.done("cancel", job_id), f"{job_id} cancelled\n")
-        self.done("delete", job_id)
+        self.assertEqual(self.dccast("cancel", job_id), f"{job_id} cancelled\n")
+        self.dccast("delete", job_id)
         self.assertFalse(os.path.exists(self.folder_of(job_id)))
 
     def test_what_a_state_does_not_permit_is_refused_with_a_remedy(self):
@@ -155,14 +143,14 @@ class RealSteering(ServiceTest):
             self.wrong_state("resume", job_id, state=state, remedy="goes on by itself")
             self.wrong_state("delete", job_id, state=state, remedy="cancel it first")
             self.wrong_state("fetch", job_id, state=state, remedy="watch it until it has ended")
-        self.done("cancel", running)
+        self.dccast("cancel", running)
         self.client.until_state(running, job_pb2.CANCELLED)
         self.results(queued)
         for job_id, state in ((running, "CANCELLED"), (queued, "SUCCEEDED")):
             for command in ("pause", "resume"):
                 self.wrong_state(command, job_id, state=state, remedy="submit its case again")
             before = self.client.job(job_id)
-            self.assertEqual(self.done("cancel", job_id), f"{job_id} {state.lower()}\n")
+            self.assertEqual(self.dccast("cancel", job_id), f"{job_id} {state.lower()}\n")
             self.assertEqual(self.client.job(job_id), before)  # left as it is
 
 

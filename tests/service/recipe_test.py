@@ -2,14 +2,14 @@
 """The recipe of a start on the real solver: from drafts over candidates to the chosen case, the same again
 after the daemon was killed, and cancelled by an interruption."""
 import json
-import os
 import re
 import signal
 import subprocess
 
 from data_study import DataStudyCase
-from dccast.v1 import job_pb2, service_pb2, study_pb2
-from support import BIN, main, until
+from dccast.v1 import job_pb2, study_pb2
+from support import main
+from waiting import until
 
 # Two of the four data are enough.
 TWO_DATA = (r'(?s)^"alloy\.specific_heat.*', "")
@@ -19,32 +19,24 @@ class Recipe(DataStudyCase):
     def case_file(self):
         return super().case_file(TWO_DATA)
 
-    def command(self, *words):
-        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
-
     def design(self, path, *more, code=0, band="0..100 mm", hold="55..90 s"):
         """With so few drafts, recipes of a shorter hold are not known to melt through."""
-        ended = subprocess.run(self.command("design-recipe", path, "--band", band, "--drafts", "16",
-                                            "--castings", "3", "--candidates", "2", "--hold", hold,
-                                            *more),
-                               capture_output=True, text=True, timeout=280, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended.stdout if code == 0 else ended.stderr
+        return self.dccast("design-recipe", path, "--band", band, "--drafts", "16", "--castings", "3",
+                           "--candidates", "2", "--hold", hold, *more, code=code)
 
     def study(self, study):
-        return self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10)
+        return self.client.ask("GetStudy", id=study)
 
     def test_from_drafts_to_the_chosen_case(self):
         path = self.case_file()
-        chosen, page = (os.path.join(self.folder, name) for name in ("chosen.toml", "page.html"))
+        chosen, page = (self.in_folder(name) for name in ("chosen.toml", "page.html"))
         screen = self.design(path, "-o", chosen, "--plot", page)
         self.assertRegex(screen, r"Recipe \d: \d+ ± \d+ % of castings end outside 0 to 100 mm")
         self.assertLessEqual(max(len(line) for line in screen.splitlines()), 120)
         with open(page, encoding="utf-8") as file:
             self.assertIn("Recipes of least risk", file.read())
 
-        subprocess.run(self.command("validate", chosen), check=True, timeout=60,
-                       capture_output=True)
+        self.dccast("validate", chosen)
         # The same command finds the study as it is and runs nothing again.
         answer = json.loads(self.design(path, "--json"))
         self.assertIn(answer["study"]["id"], screen)
@@ -59,20 +51,17 @@ class Recipe(DataStudyCase):
             text = file.read()
         for change in best["changes"]:
             self.assertIn(change["key"].split(".")[1], text)
-        self.assertIn("recipe, 7 numbers", subprocess.run(
-            self.command("studies"), check=True, capture_output=True, text=True, timeout=30).stdout)
+        self.assertIn("recipe, 7 numbers", self.dccast("studies"))
 
     def test_the_steps_of_a_run_follow_its_own_hold(self):
         """Steps are finest after the events of a start, and the error bars are those of such steps."""
         study = self.design(self.case_file(), "--no-wait").strip()
         until(lambda: self.study(study).succeeded >= 8, 120)
-        self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=30)
-        jobs = self.client.stub.ListJobs(service_pb2.ListJobsRequest(
-            study=study, states=[job_pb2.SUCCEEDED]), timeout=10).jobs
+        self.client.ask("CancelStudy", id=study)
+        jobs = self.client.ask("ListJobs", study=study, states=[job_pb2.SUCCEEDED]).jobs
         begins = {}
         for job in jobs:
-            case = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job.id),
-                                                timeout=30).case
+            case = self.client.ask("QueryResult", id=job.id).case
             begins[case.schedule.hold_s] = case.time.step_s.at[0]
         self.assertGreater(len(begins), 4)
         for hold_s, begin_s in begins.items():
@@ -81,8 +70,7 @@ class Recipe(DataStudyCase):
     def test_the_daemon_is_killed_and_the_front_is_the_same(self):
         path = self.case_file()
         expected = json.loads(self.design(path, "--json"))["recipe"]
-        self.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(
-            id=json.loads(self.design(path, "--json"))["study"]["id"]), timeout=30)
+        self.client.ask("DeleteStudy", id=json.loads(self.design(path, "--json"))["study"]["id"])
         study = self.design(path, "--no-wait").strip()
         for ended in (4, 21):  # among the drafts, and among the castings of candidates
             until(lambda: self.study(study).succeeded >= ended, 120)
@@ -98,7 +86,7 @@ class Recipe(DataStudyCase):
 
     def test_an_interruption_cancels_and_the_same_command_goes_on(self):
         path = self.case_file()
-        running = subprocess.Popen(self.command(
+        running = subprocess.Popen(self.client_command(
             "design-recipe", path, "--band", "0..100 mm", "--drafts", "16", "--castings", "3",
             "--candidates", "2", "--hold", "55..90 s"), stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
         study = re.search(r"study ([0-9a-f-]{36})", running.stderr.readline())[1]
@@ -115,9 +103,8 @@ class Recipe(DataStudyCase):
         path = self.case_file()
         study = self.design(path, "--no-wait").strip()
         until(lambda: self.study(study).running > 0, 60)
-        running = self.client.stub.ListJobs(service_pb2.ListJobsRequest(
-            study=study, states=[job_pb2.RUNNING, job_pb2.QUEUED]), timeout=10).jobs
-        self.client.stub.CancelJob(service_pb2.CancelJobRequest(id=running[0].id), timeout=10)
+        running = self.client.ask("ListJobs", study=study, states=[job_pb2.RUNNING, job_pb2.QUEUED]).jobs
+        self.client.ask("CancelJob", id=running[0].id)
         until(lambda: self.study(study).state == study_pb2.STUDY_CANCELLED, 120)
         self.assertEqual(self.study(study).runs, 18)
         answer = json.loads(self.design(path, "--json"))

@@ -11,7 +11,8 @@ import zlib
 import grpc
 
 from dccast.v1 import job_pb2, service_pb2
-from support import BIN, ServiceTest, connected, fake_case, main, until, work_of
+from support import BIN, ServiceTest, connected, fake_case, main, work_of
+from waiting import until
 
 
 class Refusal(ServiceTest):
@@ -87,12 +88,12 @@ class RealWorker(ServiceTest):
         case.mesh.file = "slab.msh"
         mesh = ("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n1 1 \"bott\u00e9m\"\n"
                 "$EndPhysicalNames\n").encode("latin-1")
-        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
-            case=case, attachments=[self.client.upload("slab.msh", mesh)]), timeout=10)
+        checked = self.client.ask("ValidateCase", case=case,
+                                  attachments=[self.client.upload("slab.msh", mesh)])
         self.assertTrue(checked.faults)
         broken = b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$bott\xe9m\n"
-        checked = self.client.stub.ValidateCase(service_pb2.ValidateCaseRequest(
-            case=case, attachments=[self.client.upload("slab.msh", broken)]), timeout=10)
+        checked = self.client.ask("ValidateCase", case=case,
+                                  attachments=[self.client.upload("slab.msh", broken)])
         self.assertTrue(checked.faults)
 
     def test_a_file_that_ends_its_worker_costs_one_answer(self):
@@ -103,7 +104,7 @@ class RealWorker(ServiceTest):
         error = self.refused(grpc.StatusCode.INTERNAL, self.client.submit, case,
                              attachments=[attachment])
         self.assertIn("dccast-worker ended with signal 11", error.details())
-        self.assertEqual(self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs[:], [])
+        self.assertEqual(self.client.ask("ListJobs").jobs[:], [])
         self.client.submit(fake_case("steps=1"))
 
 
@@ -117,7 +118,7 @@ class LittleMemory(ServiceTest):
         case.mesh.columns, case.mesh.rows = 300, 300
         job = self.client.submit(case)
         ended = self.client.until_state(job.id, job_pb2.FAILED, seconds=60)
-        with open(os.path.join(self.folder, "data", "jobs", job.id, "worker.log"),
+        with open(self.in_folder("data", "jobs", job.id, "worker.log"),
                   encoding="utf-8") as file:
             self.assertEqual(ended.failure.kind, job_pb2.Finding.OUT_OF_MEMORY, file.read())
         self.assertIn("memory", ended.failure.message)
@@ -156,7 +157,7 @@ class Checks(ServiceTest):
     def test_more_checks_than_may_wait(self):
         checks = [self.validate("check_ms=1500") for _ in range(6)]
         begin = time.monotonic()
-        self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=5)
+        self.client.ask("GetServerInfo")
         self.assertLess(time.monotonic() - begin, 1.0)
         errors = [check.exception() for check in checks]
         refused = [error for error in errors if error is not None]
@@ -206,7 +207,7 @@ class OldStore(ServiceTest):
         job_id = self.client.submit(fake_case("steps=1")).id
         self.client.until_state(job_id, job_pb2.SUCCEEDED)
         self.daemon.terminate()
-        with open(os.path.join(self.folder, "data", "jobs.sqlite"), "r+b") as file:
+        with open(self.in_folder("data", "jobs.sqlite"), "r+b") as file:
             content = file.read()
             for page in range(4096, len(content), 4096):
                 # "corner", the monitor, stands in the two cases of the job only.
@@ -215,7 +216,7 @@ class OldStore(ServiceTest):
                     file.write(b"\xff" * 64)
         self.restart()
         self.assertIn("built again from the folders", self.daemon.said())
-        answer = self.client.stub.QueryResult(service_pb2.QueryResultRequest(id=job_id), timeout=10)
+        answer = self.client.ask("QueryResult", id=job_id)
         self.assertEqual(answer.case.monitor[0].name, "corner")
 
 

@@ -2,14 +2,13 @@
 """What helps against a finding: from the finding of a real run to an amount on screen, in JSON and on the page."""
 import json
 import os
-import subprocess
 
 import dccast
 import grpc
 from dccast.v1 import study_pb2
 
 from dashboard_test import CASES, InBrowser
-from support import BIN, ServiceTest, main
+from support import ServiceTest, main
 
 CASE = os.path.join(CASES, "start-2d-thickness.toml")
 AMOUNT = r"hold \S+ s longer: shell over the block 0\S* -> \S+ mm"
@@ -17,12 +16,6 @@ SHORT_HOLD = ("--set", "schedule.hold=30 s")  # the butt bleeds out
 
 
 class Client:
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=200, check=False)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended.stdout if code == 0 else ended.stderr
-
     def bled_out(self):
         """A job whose butt has bled out."""
         job = self.dccast("submit", *SHORT_HOLD, CASE).strip()
@@ -39,7 +32,7 @@ class Remedy(Client, ServiceTest):
         self.assertIn("dccast remedy computes what helps.", shown)
         self.assertNotRegex(shown, "(?i)(hold|cast|pour|use) (longer|slower|colder|less)")
 
-        page = os.path.join(self.folder, "remedy.html")
+        page = self.in_folder("remedy.html")
         screen = self.dccast("remedy", job, "--plot", page)
         # What the drafts refute is named.
         self.assertRegex(" ".join(screen.split()), r"shell_melted_through: of no help: .*?less water")
@@ -74,8 +67,8 @@ class Remedy(Client, ServiceTest):
         self.assertIn("has no finding that a lever of the plant influences",
                       self.dccast("remedy", sound, code=6))
         with self.assertRaises(grpc.RpcError) as refused:
-            self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-                remedy=study_pb2.RemedyPlan(job="00000000-0000-4000-8000-000000000000")), timeout=10)
+            self.client.ask("CreateStudy",
+                            remedy=study_pb2.RemedyPlan(job="00000000-0000-4000-8000-000000000000"))
         self.assertEqual(refused.exception.code(), grpc.StatusCode.NOT_FOUND)
 
 

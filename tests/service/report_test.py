@@ -5,14 +5,13 @@ figures without scripts."""
 import base64
 import os
 import re
-import subprocess
 
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select
 
 from dashboard_test import CASES, InBrowser
 from dccast.v1 import follow_pb2, job_pb2, judgement_pb2
-from support import BIN, main
+from support import main
 from wall_test import Wall
 
 
@@ -21,10 +20,7 @@ class Page(InBrowser):
     worker = "dccast-worker"
 
     def dccast(self, *words):
-        done = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                              capture_output=True, text=True, timeout=300, check=False, cwd=self.folder)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout.strip()
+        return super().dccast(*words).strip()
 
     def cast(self, case, *changes):
         words = [word for change in ("quality=draft", *changes) for word in ("--set", change)]
@@ -34,7 +30,7 @@ class Page(InBrowser):
 
     def show(self, page):
         self.complaints()  # those of the page before
-        self.browser.get("file://" + os.path.join(self.folder, page))
+        self.browser.get("file://" + self.in_folder(page))
 
     def drawn(self, page):
         """Opens a page and waits until all is drawn."""
@@ -78,7 +74,7 @@ class Reports(Page):
     def test_the_report_of_a_quarter_slab(self):
         job = self.cast("start-3d.toml", "time.end=20 s")
         self.dccast("report", job, "-o", "report.html")
-        self.assertLess(os.path.getsize(os.path.join(self.folder, "report.html")), 2_000_000)
+        self.assertLess(os.path.getsize(self.in_folder("report.html")), 2_000_000)
         self.drawn("report.html")
         for title in ("Curl against time", "Curl against cast length", "Casting speed", "Water", "Shell",
                       "Heat through each face", "Pull-in of the wide face"):
@@ -156,10 +152,9 @@ class FollowedCasting(Wall, Page):
         """Ends the record after so many readings, and opens the report. Returns its judgement."""
         self.append(job_id, follow_pb2.Reading(number=readings + 1, closes=True))
         self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
-        self.ended(self.dccast("report", job_id, "-o", os.path.join(self.folder, "report.html")))
+        self.ended(self.dccast("report", job_id, "-o", self.in_folder("report.html")))
         self.drawn("report.html")
-        return self.client.stub.CompareRuns(judgement_pb2.CompareRunsRequest(
-            runs=[judgement_pb2.ComparedRun(job=job_id)]), timeout=30).judgement
+        return self.client.ask("CompareRuns", runs=[judgement_pb2.ComparedRun(job=job_id)]).judgement
 
     def test_measured_against_forecast(self):
         job_id = self.follow_on_line()

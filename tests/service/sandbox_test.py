@@ -11,7 +11,7 @@ import tempfile
 import unittest
 
 from dccast.v1 import job_pb2
-from support import BIN, SANITIZED, Daemon, ServiceTest, fake_case, main
+from support import SANITIZED, Daemon, ServiceTest, fake_case, main
 
 CREATE_RULESET, VERSION = 444, 1  # landlock_create_ruleset(2) and its flag
 
@@ -40,7 +40,7 @@ class Sandbox(ServiceTest):
                             (resource.RLIMIT_FSIZE, 50e6), (resource.RLIMIT_CORE, 0)):
             self.assertEqual(resource.prlimit(process, which), (most, most))
 
-        folder = os.path.join(self.folder, "data", "jobs", job.id)
+        folder = self.in_folder("data", "jobs", job.id)
         with open(os.path.join(folder, "go"), "wb"):
             pass
         self.client.until_state(job.id, job_pb2.SUCCEEDED)
@@ -77,9 +77,7 @@ class Sandbox(ServiceTest):
             self.assertIn("PermissionError", tried.stderr, f"{name} {mode}")
 
     def test_info_and_the_daemon_s_log_say_what_holds_workers_that_answer(self):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, "info",
-                                "--json"], capture_output=True, text=True, timeout=30, check=True)
-        said = json.loads(ended.stdout)["worker_sandbox"]
+        said = json.loads(self.dccast("info", "--json"))["worker_sandbox"]
         self.assertIn("no network, no other processes (seccomp)", said)
         self.assertIn(self.landlock(), said)
         self.assertIn("workers: " + said, self.daemon.said())

@@ -5,7 +5,8 @@ import signal
 import socket
 
 from adoption import SUCCEEDED, AdoptionTest
-from support import BIN, main, until
+from support import BIN, main
+from waiting import until
 
 
 class Manager:

@@ -7,8 +7,8 @@ import signal
 import socket
 import subprocess
 import time
+from waiting import until
 
-from support import until
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "scontrol")
 # Every started process ends with the test, even if the test is killed.
@@ -152,5 +152,5 @@ class Cluster:
     def restart(self, name, away=0.0):
         """kill -9, and started again."""
         self.kill(name)
-        time.sleep(away)
+        time.sleep(away)  # for so long nothing answers
         self.start_program(name)

@@ -12,10 +12,11 @@ import time
 import unittest
 
 import support
-from dccast.v1 import job_pb2, service_pb2, study_pb2
+from dccast.v1 import job_pb2, study_pb2
 from real_run_test import RealRunTest, physics
 from slurm_cluster import Cluster, missing_programs
-from support import ServiceTest, curve, fake_case, start_ticks, until
+from support import ServiceTest, curve, fake_case, start_ticks
+from waiting import pause, until
 
 NIGHTLY = "--nightly" in sys.argv
 SUCCEEDED, CANCELLED = job_pb2.SUCCEEDED, job_pb2.CANCELLED
@@ -81,10 +82,9 @@ class SlurmTest(ServiceTest):
     def succeeds(self, job_id, attempts=1, steps=60):
         """With the history of an undisturbed run, each step once. attempts: None for any number"""
         def ended():
-            time.sleep(0.2)
             cluster.node_is_ready()  # resumed by its administrator, where Slurm has drained it
             return self.client.job(job_id).state in support.TERMINAL
-        until(ended, 120)
+        until(ended, 120, every_s=0.2)
         job = self.client.job(job_id)
         self.assertEqual(job.state, SUCCEEDED, job.failure)
         self.assertIn(attempts, (job.attempts, None), self.log_lines_of(job_id))
@@ -155,8 +155,7 @@ class OneJob(SlurmTest):
 
     def test_a_query_does_not_wait_for_slurm(self):
         cluster.run("scontrol", "update", f"NodeName={cluster.host}", "State=DRAIN", "Reason=test")
-        answers = list(self.client.stub.QueryButtCurl(
-            service_pb2.QueryButtCurlRequest(case=fake_case("steps=20")), timeout=60))
+        answers = list(self.client.ask("QueryButtCurl", case=fake_case("steps=20")))
         self.assertTrue(answers)
         cluster.resume_node()
 
@@ -253,16 +252,15 @@ class Nightly(SlurmTest):
         chance = random.Random(7)
         plan = study_pb2.SweepPlan(design=study_pb2.SweepPlan.GRID)
         plan.axes.add(key="time.end", values=[f"{100 + i} s" for i in range(50)])
-        study = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            case=fake_case("steps=40 checkpoint=5 sleep_ms=20"), sweep=plan), timeout=60)
+        study = self.client.ask("CreateStudy", case=fake_case("steps=40 checkpoint=5 sleep_ms=20"),
+                                sweep=plan)
         kills = 0
         end = time.monotonic() + 600
         while time.monotonic() < end:
-            jobs = list(self.client.stub.ListJobs(service_pb2.ListJobsRequest(
-                study=study.id, page_size=1000), timeout=20).jobs)
+            jobs = list(self.client.ask("ListJobs", study=study.id, page_size=1000).jobs)
             if len(jobs) == 50 and all(job.state in support.TERMINAL for job in jobs):
                 break
-            time.sleep(chance.uniform(0.5, 3))
+            pause(chance, 3, 0.5)
             if kills < 40:
                 kills += 1
                 self.kill_something(chance)
@@ -280,7 +278,7 @@ class Nightly(SlurmTest):
         what = chance.choice(("slurmctld", "slurmctld", "slurmd", "daemon", "worker"))
         if what == "daemon":
             self.daemon.kill()
-            time.sleep(chance.uniform(0, 2))
+            pause(chance, 2)
             self.restart()
         elif what == "worker":
             if workers := self.workers():

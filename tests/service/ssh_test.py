@@ -9,7 +9,8 @@ import subprocess
 import threading
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, start_ticks, until
+from support import BIN, ServiceTest, fake_case, main, start_ticks
+from waiting import until
 
 STAND_IN = """#!/usr/bin/python3
 import os, signal, socket, sys, threading, time
@@ -23,7 +24,7 @@ if "nowhere" in sys.argv:
     sys.exit("ssh: Could not resolve hostname nowhere")
 listener = socket.socket(socket.AF_UNIX)
 listener.bind(sys.argv[sys.argv.index("-L") + 1].split(":")[0])
-time.sleep({pause_s})
+time.sleep({pause_s})  # as a slow login
 listener.listen()
 while True:
     client = listener.accept()[0]
@@ -38,15 +39,13 @@ OPTIONS = "-N -T -S none -o ServerAliveInterval=15 -L TMP/dccast-ssh-"
 class SshTest(ServiceTest):
     def setUp(self):
         super().setUp()
-        self.temporary = os.path.join(self.folder, "tmp")
+        self.temporary = self.in_folder("tmp")
         os.mkdir(self.temporary)
         self.programs = self.folder + ":" + os.environ["PATH"]
         self.socket = self.daemon.address.removeprefix("unix:")
 
     def write_ssh(self, text):
-        with open(os.path.join(self.folder, "ssh"), "w", encoding="utf-8") as file:
-            file.write(text)
-        os.chmod(file.name, 0o700)
+        os.chmod(self.write_file("ssh", text), 0o700)
 
     def start_dccast(self, server, *words):
         environment = {**os.environ, "PATH": self.programs, "TMPDIR": self.temporary, "HOME": self.folder}
@@ -74,7 +73,7 @@ class SshTest(ServiceTest):
 class StandIn(SshTest):
     def setUp(self):
         super().setUp()
-        self.notes = os.path.join(self.folder, "notes")
+        self.notes = self.in_folder("notes")
         self.stand_in(pause_s=0)
 
     def stand_in(self, pause_s):
@@ -127,7 +126,7 @@ class StandIn(SshTest):
         self.doctor("ssh://casthouse", ["exit code 255: be \\u{1B}[2Jwarned"], ["ssh casthouse alone"])
         self.write_ssh("#!/bin/sh\nexec sleep 60\n")
         self.doctor("ssh://casthouse", ["no answer in time"], ["there dccast doctor"])
-        os.remove(os.path.join(self.folder, "ssh"))
+        os.remove(self.in_folder("ssh"))
         self.programs = self.folder
         self.doctor("ssh://casthouse", ["ssh cannot be started"], ["openssh-client"])
 
@@ -190,7 +189,7 @@ class RealSsh(SshTest):
         return f"ssh://{getpass.getuser()}@127.0.0.1:{self.ssh_port}{path}"
 
     def path(self, name):
-        return os.path.join(self.folder, name)
+        return self.in_folder(name)
 
     def end_sshd(self):
         self.sshd.terminate()

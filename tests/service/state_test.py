@@ -38,7 +38,7 @@ class StateTest(ServiceTest):
 
     def setUp(self):
         super().setUp()
-        self.data = os.path.join(self.folder, "data")
+        self.data = self.in_folder("data")
         self.store = os.path.join(self.data, "jobs.sqlite")
 
     def command(self, *words, data=None):
@@ -57,7 +57,7 @@ class StateTest(ServiceTest):
         self.client.until_state(done.id, SUCCEEDED)
         paused = self.client.submit(fake_case("steps=2000 sleep_ms=5 checkpoint=5"))
         self.client.until_step(paused.id, 7)
-        self.client.stub.PauseJob(service_pb2.PauseJobRequest(id=paused.id))
+        self.client.ask("PauseJob", id=paused.id)
         self.client.until_state(paused.id, PAUSED)
         running = self.client.submit(fake_case("steps=60 sleep_ms=20 checkpoint=7"))
         self.client.until_step(running.id, 9)
@@ -77,7 +77,7 @@ class StateTest(ServiceTest):
             self.assertEqual(events[-1].state_change.state, state)
             if state == SUCCEEDED:
                 self.assertTrue(self.client.fetch(job_id))
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(page_size=100)).jobs
+        listed = self.client.ask("ListJobs", page_size=100).jobs
         self.assertEqual({job.id for job in listed}, set(expected))
 
 
@@ -132,7 +132,7 @@ class LostStore(StateTest):
     def test_an_older_copy(self):
         first = self.client.submit(fake_case("steps=2"))
         self.client.until_state(first.id, SUCCEEDED)
-        copy = os.path.join(self.folder, "copy.sqlite")
+        copy = self.in_folder("copy.sqlite")
         with contextlib.closing(sqlite3.connect(self.store)) as store, \
              contextlib.closing(sqlite3.connect(copy)) as target:
             store.backup(target)
@@ -187,13 +187,13 @@ class OtherFormat(StateTest):
         folder = os.path.join(self.data, "jobs", job.id)
         self.other(os.path.join(folder, "description.bin"))
         self.refused(folder)
-        os.rename(folder, os.path.join(self.folder, "away"))
+        os.rename(folder, self.in_folder("away"))
         self.restart()
         self.client.until_state(self.client.submit(fake_case("steps=2")).id, SUCCEEDED)
 
     def test_of_a_study(self):
-        study = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            **{"case": fake_case("steps=2"), "refinement": study_pb2.RefinementPlan(levels=2)}), timeout=10)
+        study = self.client.ask("CreateStudy",
+                                case=fake_case("steps=2"), refinement=study_pb2.RefinementPlan(levels=2))
         self.daemon.terminate()
         file = os.path.join(self.data, "studies", f"{study.id}.bin")
         self.other(file)
@@ -293,7 +293,7 @@ class Folders(StateTest):
         self.restart()
         self.assertEqual(list(self.client.watch(kept.id))[-1].state_change.state, SUCCEEDED)
 
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=gone.id))
+        self.client.ask("DeleteJob", id=gone.id)
         self.daemon.terminate()
         self.assertEqual(self.command("check")[0], 0)
 
@@ -353,7 +353,7 @@ class ReplacedFiles(StateTest):
                 self.assertEqual(code, 3)
                 self.assertIn(f"is a {kind}, not a regular file", said)
                 self.assertIn("--repair", said)
-                code, said = self.command("backup", "--to", os.path.join(self.folder, "copy"))
+                code, said = self.command("backup", "--to", self.in_folder("copy"))
                 self.assertIn("dccastd check --repair", said)
                 if kind == "folder":  # the others by the daemon itself
                     self.assertEqual(self.command("check", "--repair")[0], 0)
@@ -369,7 +369,7 @@ class ReplacedFiles(StateTest):
         for job in (replaced, other):
             self.client.until_state(job, SUCCEEDED)
         self.daemon.terminate()
-        saved = os.path.join(self.folder, "saved")
+        saved = self.in_folder("saved")
         shutil.copytree(self.data, saved)
         for name in ("events.log", "description.bin", "marks", "request", "accepted"):
             for kind, make in ENTRIES.items():
@@ -417,10 +417,7 @@ class ChangedResults(StateTest):
 
     def test_frames_and_reports(self):
         path = os.path.join(ROOT, "cases", "start-2d-thickness.toml")
-        client = [os.path.join(BIN, "dccast"), "--server", self.daemon.address]
-        job = subprocess.run([*client, "submit", path, "--set", "quality=draft", "--set",
-                              "time.end=20 s"], capture_output=True, text=True, timeout=60,
-                             check=True).stdout.strip()
+        job = self.dccast("submit", path, "--set", "quality=draft", "--set", "time.end=20 s").strip()
         self.client.until_state(job, SUCCEEDED, seconds=60)
         query = service_pb2.QueryResultRequest(id=job, frame=True)
         self.assertTrue(self.client.stub.QueryResult(query, timeout=20).HasField("frame"))
@@ -434,15 +431,12 @@ class ChangedResults(StateTest):
                              timeout=20)
         self.assertRegex(error.details(), "size|SHA-256")
 
-        report = os.path.join(self.folder, "report.html")
-        shown = subprocess.run([*client, "report", job, "-o", report], capture_output=True,
-                               text=True, timeout=60, check=False)
-        self.assertIn("without a picture of the slab", shown.stderr)
+        report = self.in_folder("report.html")
+        shown = self.dccast("report", job, "-o", report, code=4)
+        self.assertIn("without a picture of the slab", shown)
         self.assertTrue(os.path.exists(report))
 
-        fetched = subprocess.run([*client, "fetch", job, "-o", report + ".h5"], capture_output=True,
-                                 text=True, timeout=60, check=False)
-        self.assertEqual((shown.returncode, fetched.returncode), (4, 4), fetched.stderr)
+        self.dccast("fetch", job, "-o", report + ".h5", code=4)
         # Histories are those of the event log.
         self.assertGreater(len(self.client.steps(job)), 5)
 
@@ -464,7 +458,7 @@ class Backup(StateTest):
                 stop.wait(0.05)
             acknowledged = list(ids)
             deleted = self.client.until_state(ids[0], SUCCEEDED)
-            backup = os.path.join(self.folder, "backup")
+            backup = self.in_folder("backup")
             code, said = self.command("backup", "--to", backup)
             self.assertEqual(code, 0, said)
         finally:
@@ -479,11 +473,11 @@ class Backup(StateTest):
         self.restore(backup, acknowledged)
 
     def restore(self, backup, acknowledged):
-        restored = os.path.join(self.folder, "restored")
+        restored = self.in_folder("restored")
         code, said = self.command("restore", "--from", backup, data=restored)
         self.assertEqual(code, 0, said)
         self.assertEqual(self.command("check", "--deep", data=restored)[0], 0)
-        other = os.path.join(self.folder, "other")
+        other = self.in_folder("other")
         os.mkdir(other)
         self.daemon = Daemon(other, workers__count=4, data_directory=restored).start()
         self.client = self.new_client()
@@ -495,7 +489,7 @@ class Backup(StateTest):
 
     def test_a_backup_after_another_takes_room_for_what_is_new_alone(self):
         jobs = []
-        backups = [os.path.join(self.folder, name) for name in ("monday", "tuesday")]
+        backups = [self.in_folder(name) for name in ("monday", "tuesday")]
         for backup, words in zip(backups, ([], ["--earlier", backups[0]])):
             jobs.append(self.client.submit(fake_case("steps=3")).id)
             self.client.until_state(jobs[-1], SUCCEEDED)
@@ -507,16 +501,16 @@ class Backup(StateTest):
 
         # Each is whole without the other.
         shutil.rmtree(backups[0])
-        code, said = self.command("restore", "--from", backups[1], data=os.path.join(self.folder, "restored"))
+        code, said = self.command("restore", "--from", backups[1], data=self.in_folder("restored"))
         self.assertEqual(code, 0, said)
-        code, said = self.command("backup", "--to", os.path.join(self.folder, "next"), "--earlier", backups[0])
+        code, said = self.command("backup", "--to", self.in_folder("next"), "--earlier", backups[0])
         self.assertEqual(code, 4)
         self.assertIn("not a backup, or an incomplete one", said)
 
     def test_a_damaged_or_unfinished_backup_is_refused(self):
         job = self.client.submit(fake_case("steps=3"))
         self.client.until_state(job.id, SUCCEEDED)
-        backup = os.path.join(self.folder, "backup")
+        backup = self.in_folder("backup")
         self.assertEqual(self.command("backup", "--to", backup)[0], 0)
 
         code, said = self.command("backup", "--to", backup)
@@ -527,7 +521,7 @@ class Backup(StateTest):
         self.assertEqual(code, 4)  # a daemon has this data directory
 
         flip_bit(os.path.join(backup, "jobs", job.id, "results.h5"), 2)
-        fresh = os.path.join(self.folder, "fresh")
+        fresh = self.in_folder("fresh")
         code, said = self.command("restore", "--from", backup, data=fresh)
         self.assertEqual(code, 4)
         self.assertIn("results.h5 is damaged", said)

@@ -10,8 +10,9 @@ import subprocess
 
 import h5py
 
-from dccast.v1 import job_pb2, service_pb2
-from support import BIN, WAIT_FACTOR, ServiceTest, main, until
+from dccast.v1 import job_pb2
+from support import ServiceTest, main
+from waiting import until
 
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
 
@@ -55,18 +56,9 @@ class RefinementStudy(ServiceTest):
     worker = "dccast-worker"
     settings = {"workers__count": 1, "workers__restarts": 0}
 
-    def command(self, *words):
-        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
-
-    def dccast(self, *words, code=0):
-        ended = subprocess.run(self.command(*words), capture_output=True, text=True,
-                               timeout=120 * WAIT_FACTOR, check=False, cwd=self.folder)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended
-
     def study(self, *words, code=0):
         """`dccast convergence --json`: what it found, and its messages."""
-        ended = self.dccast("convergence", "--json", *words, code=code)
+        ended = self.run_dccast("convergence", "--json", *words, code=code)
         return json.loads(ended.stdout), ended.stderr
 
     @staticmethod
@@ -76,7 +68,7 @@ class RefinementStudy(ServiceTest):
                     if limit["curve"]["monitor"] == monitor)
 
     def case_file(self, more=()):
-        path = os.path.join(self.folder, "case.toml")
+        path = self.in_folder("case.toml")
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
         for pattern, other in (*COARSE, *more):
@@ -88,7 +80,7 @@ class RefinementStudy(ServiceTest):
 
     def begin_study(self, path):
         """A client that has begun a study. Returns it and the study's id."""
-        client = subprocess.Popen(self.command("convergence", path), stdout=subprocess.DEVNULL,
+        client = subprocess.Popen(self.client_command("convergence", path), stdout=subprocess.DEVNULL,
                                   stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.end, client)
         return client, re.match(r"study ([0-9a-f-]{36})\b", client.stderr.readline())[1]
@@ -101,8 +93,7 @@ class RefinementStudy(ServiceTest):
         client.stderr.close()
 
     def jobs_of(self, study):
-        return list(self.client.stub.ListJobs(
-            service_pb2.ListJobsRequest(study=study), timeout=10).jobs)
+        return list(self.client.ask("ListJobs", study=study).jobs)
 
     def curve(self, job_id, monitor):
         steps = self.client.steps(job_id)
@@ -152,8 +143,8 @@ class RefinementStudy(ServiceTest):
 
     def check_results_file(self, found):
         for level in found["runs"]:
-            path = os.path.join(self.folder, "results.h5")
-            self.dccast("fetch", level["job"], "--force", "-o", path)
+            path = self.in_folder("results.h5")
+            self.run_dccast("fetch", level["job"], "--force", "-o", path)
             with h5py.File(path) as file:
                 self.assertEqual(file["monitors/displacement_m"][-1, 0, 1],
                                  level["end_curl_m"][0])
@@ -162,7 +153,7 @@ class RefinementStudy(ServiceTest):
     def check_report(self, found):
         corner = self.limit(found, "corner")
         ends = [1e3 * level["end_curl_m"][0] for level in found["runs"]]
-        page = self.dccast("report", found["runs"][0]["job"], "-o", "-").stdout
+        page = self.dccast("report", found["runs"][0]["job"], "-o", "-")
         limit, half = 1e3 * corner["curl_m"][-1], 1e3 * corner["uncertainty_m"][-1]
         error = abs(ends[0] - limit) + half
         for curl, uncertainty in ((ends[0], error), (limit, half)):
@@ -175,7 +166,7 @@ class RefinementStudy(ServiceTest):
 
     def check_curl(self, job_id, found):
         """`dccast curl` has the limit at the job's own steps."""
-        curl = json.loads(self.dccast("curl", "--json", job_id).stdout)
+        curl = json.loads(self.dccast("curl", "--json", job_id))
         corner, limit = curl["monitors"][0], self.limit(found, "corner")
         self.assertEqual(len(corner["limit_m"]), len(curl["time_s"]))
         for name, of_limit in (("limit_m", "curl_m"), ("lower_error_m", "uncertainty_m"),
@@ -199,7 +190,7 @@ class RefinementStudy(ServiceTest):
         again, _ = self.study("--study", study)  # a study that has ended says the same
         self.assertEqual(again, found)
 
-        table = self.dccast("convergence", "--study", study).stdout
+        table = self.dccast("convergence", "--study", study)
         self.assertIn(f"study {study}: ", table)
         self.assertIn(f"{1e3 * self.limit(found, 'corner')['curl_m'][-1]:.3f}", table)
 
@@ -217,7 +208,7 @@ class RefinementStudy(ServiceTest):
 
         other = self.case_file(((r'^half_width = "0.28 m"', 'half_width = "0.29 m"'),
                                 (r'^x = "0.28 m"', 'x = "0.29 m"')))
-        said = self.dccast("convergence", "--study", study, other, code=2).stderr
+        said = self.dccast("convergence", "--study", study, other, code=2)
         self.assertIn("another case", said)
         self.assertEqual(len(self.jobs_of(study)), 3)
 
@@ -246,10 +237,10 @@ class RefinementStudy(ServiceTest):
         self.assertAlmostEqual(corner["uncertainty_m"][-1], 1.25 * largest, delta=1e-12)
         base = found["runs"][0]["job"]
         self.assertIn("Refinement 4 is left out",
-                      self.dccast("report", base, "-o", "-").stdout)
+                      self.dccast("report", base, "-o", "-"))
 
         # Deleted, it is no longer a level; submitted again, it is a new one.
-        self.dccast("delete", finest.id)
+        self.run_dccast("delete", finest.id)
         shorter, _ = self.study("--study", study)
         self.assertEqual(len(shorter["runs"]), 2)
         whole, _ = self.study("--study", study, path)
@@ -260,12 +251,12 @@ class RefinementStudy(ServiceTest):
     def test_a_level_beyond_the_limits_is_refused_before_anything_is_submitted(self):
         # 272 nodes at refinement 2, 990 at 4.
         path = self.case_file(((r"\Z", "\n[limits]\nmaximum_nodes = 500\n"),))
-        ended = self.dccast("convergence", path, code=2)
+        ended = self.run_dccast("convergence", path, code=2)
         self.assertIn("refinement 4: ", ended.stderr)
         self.assertIn("limits.maximum_nodes = 500", ended.stderr)
         self.assertIn("--levels 2", ended.stderr)
         self.assertEqual(ended.stdout, "")
-        listed = self.client.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10)
+        listed = self.client.ask("ListJobs")
         self.assertEqual(len(listed.jobs), 0)
         found, _ = self.study("--levels", "2", path)
         self.assertEqual(len(found["runs"]), 2)
@@ -273,26 +264,25 @@ class RefinementStudy(ServiceTest):
     def test_what_cannot_be_studied_is_refused(self):
         unknown = "0f2b9a4e-0000-4000-8000-000000000000"
         self.assertIn("no job belongs to study",
-                      self.dccast("convergence", "--study", unknown, code=5).stderr)
+                      self.dccast("convergence", "--study", unknown, code=5))
         self.assertIn("not a study id",
-                      self.dccast("convergence", "--study", "mine", code=2).stderr)
-        self.dccast("convergence", code=2)
+                      self.dccast("convergence", "--study", "mine", code=2))
+        self.run_dccast("convergence", code=2)
         path = self.case_file(((r"\n\[\[monitor\]\](?:\n\w.*)*", ""),))
-        self.assertIn("[[monitor]]", self.dccast("convergence", path, code=2).stderr)
+        self.assertIn("[[monitor]]", self.dccast("convergence", path, code=2))
 
     def test_a_run_that_stands_alone_says_which_command_tells_its_error(self):
-        job_id = self.dccast("submit", self.case_file()).stdout.strip()
+        job_id = self.dccast("submit", self.case_file()).strip()
         self.client.until_state(job_id, job_pb2.SUCCEEDED, seconds=60)
-        page = self.dccast("report", job_id, "-o", "-").stdout
+        page = self.dccast("report", job_id, "-o", "-")
         self.assertIn("dccast convergence CASE shows it", page)
-        self.assertNotIn("limit_m", self.dccast("curl", "--json", job_id).stdout)
+        self.assertNotIn("limit_m", self.dccast("curl", "--json", job_id))
 
 
 class Repair(ServiceTest):
     """Levels that are lost, on the fake worker: what is done again, and what is not."""
     settings = {"workers__count": 1, "workers__restarts": 0}
-    command, dccast, study = (RefinementStudy.command, RefinementStudy.dccast,
-                              RefinementStudy.study)
+    study = RefinementStudy.study
     case_file, begin_study = RefinementStudy.case_file, RefinementStudy.begin_study
     end, jobs_of = staticmethod(RefinementStudy.end), RefinementStudy.jobs_of
 
@@ -334,7 +324,7 @@ class Repair(ServiceTest):
                                 (r'^x = "0.28 m"', 'x = "0.29 m"'),
                                 (r"^title = .*$", 'title = "steps=20 sleep_ms=20"')))
         self.assertIn("another case",
-                      self.dccast("convergence", "--study", study, other, code=2).stderr)
+                      self.dccast("convergence", "--study", study, other, code=2))
         path = self.titled("steps=20 sleep_ms=20")
         for _ in range(2):
             found, _ = self.study("--study", study, path)

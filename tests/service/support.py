@@ -12,17 +12,19 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 import grpc
+from google.protobuf import symbol_database
 
 from dccast.v1 import case_pb2, job_pb2, refusal_pb2, service_pb2, service_pb2_grpc
 
+sys.path.append(os.path.join(os.path.dirname(__file__), os.pardir, "support"))
+from waiting import WAIT_FACTOR, until
+
 BIN = os.environ["DCCAST_BIN"]
-# Above 1 where the programs are slowed down: by sanitizers, tests/run.
-WAIT_FACTOR = float(os.environ.get("DCCAST_WAIT_FACTOR", "1"))
 SANITIZED = "DCCAST_SANITIZER_REPORTS" in os.environ
+METHODS = service_pb2.DESCRIPTOR.services_by_name["SimulationService"].methods_by_name
 TERMINAL = (job_pb2.SUCCEEDED, job_pb2.FAILED, job_pb2.CANCELLED)
 
 
@@ -208,6 +210,11 @@ class Client:
     def close(self):
         self.channel.close()
 
+    def ask(self, method, timeout=60, **fields):
+        """Calls a method with a request of these fields. Returns its response, or the stream of them."""
+        request = symbol_database.Default().GetPrototype(METHODS[method].input_type)
+        return getattr(self.stub, method)(request(**fields), timeout=timeout)
+
     def upload(self, name, content, chunk=256_000):
         """Uploads a file. Returns what a case names it by."""
         named = job_pb2.Attachment(name=name, sha256=hashlib.sha256(content).hexdigest(),
@@ -224,24 +231,22 @@ class Client:
         return self.stub.UploadAttachment(messages(), timeout=60)
 
     def submit(self, case, **rest):
-        return self.stub.SubmitJob(service_pb2.SubmitJobRequest(case=case, **rest), timeout=20)
+        return self.ask("SubmitJob", case=case, **rest)
 
     def job(self, job_id):
-        return self.stub.GetJob(service_pb2.GetJobRequest(id=job_id), timeout=10)
+        return self.ask("GetJob", id=job_id)
 
     def watch(self, job_id, start=1, timeout=60):
-        return self.stub.WatchJob(
-            service_pb2.WatchJobRequest(id=job_id, from_sequence=start), timeout=timeout)
+        return self.ask("WatchJob", timeout, id=job_id, from_sequence=start)
 
     def cancel(self, job_id, reason=""):
-        return self.stub.CancelJob(service_pb2.CancelJobRequest(id=job_id, reason=reason), timeout=10)
+        return self.ask("CancelJob", id=job_id, reason=reason)
 
     def pages(self, job_id, page_size=0):
         """All pages of a job's history."""
         pages, token = [], ""
         while True:
-            pages.append(self.stub.QueryResult(service_pb2.QueryResultRequest(
-                id=job_id, page_size=page_size, page_token=token), timeout=20))
+            pages.append(self.ask("QueryResult", id=job_id, page_size=page_size, page_token=token))
             token = pages[-1].next_page_token
             if not token:
                 return pages
@@ -250,8 +255,7 @@ class Client:
         return [step for page in self.pages(job_id) for step in page.steps]
 
     def fetch(self, job_id, artifact="", offset=0):
-        return list(self.stub.FetchResult(service_pb2.FetchResultRequest(
-            id=job_id, artifact=artifact, offset=offset), timeout=30))
+        return list(self.ask("FetchResult", id=job_id, artifact=artifact, offset=offset))
 
     def until_state(self, job_id, *states, seconds=60):
         until(lambda: self.job(job_id).state in states, seconds)
@@ -259,15 +263,6 @@ class Client:
 
     def until_step(self, job_id, step, seconds=60):
         until(lambda: self.job(job_id).last_step.step >= step, seconds)
-
-
-def until(condition, seconds):
-    """Waits for a condition; fails when it does not come true in time."""
-    end = time.monotonic() + seconds * WAIT_FACTOR
-    while not condition():
-        if time.monotonic() > end:
-            raise AssertionError("waited in vain")
-        time.sleep(0.01)
 
 
 def fake_case(title="", **rest):
@@ -307,6 +302,31 @@ class ServiceTest(unittest.TestCase):
         """Starts the daemon again, on its folder, and connects to it anew."""
         self.daemon.start()
         self.client = self.new_client()
+
+    def in_folder(self, *names):
+        return os.path.join(self.folder, *names)
+
+    def write_file(self, name, text):
+        """Writes a file into the folder of the test. Returns its path."""
+        path = self.in_folder(name)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return path
+
+    def client_command(self, *words):
+        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words]
+
+    def run_dccast(self, *words, code=0):
+        """Runs the command to its end, in the folder of the test."""
+        ended = subprocess.run(self.client_command(*words), capture_output=True, text=True,
+                               timeout=300 * WAIT_FACTOR, check=False, cwd=self.folder)
+        self.assertEqual(ended.returncode, code, ended.stderr)
+        return ended
+
+    def dccast(self, *words, code=0):
+        """The same. Returns what it printed, or why it failed."""
+        ended = self.run_dccast(*words, code=code)
+        return ended.stderr if code else ended.stdout
 
     def tearDown(self):
         for client in self.clients:

@@ -15,8 +15,9 @@ import grpc
 import h5py
 import numpy
 
-from dccast.v1 import job_pb2, service_pb2, study_pb2
-from support import BIN, TERMINAL, ServiceTest, fake_case, main, until
+from dccast.v1 import job_pb2, study_pb2
+from support import BIN, TERMINAL, ServiceTest, fake_case, main
+from waiting import stays, until
 
 UUID = "0f2b9a4e-0000-4000-8000-000000000000"
 CASE = os.path.join(os.path.dirname(__file__), "..", "..", "cases", "start-2d-thickness.toml")
@@ -32,33 +33,30 @@ def sweep_of(axes, design=study_pb2.SweepPlan.GRID, **rest):
 
 class StudyTest(ServiceTest):
     def create(self, case, axes, request_id="", **rest):
-        return self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            request_id=request_id, case=case, sweep=sweep_of(axes), **rest), timeout=30)
+        return self.client.ask("CreateStudy", request_id=request_id, case=case, sweep=sweep_of(axes),
+                               **rest)
 
     def study(self, study):
-        return self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study), timeout=10)
+        return self.client.ask("GetStudy", id=study)
 
     def until_ended(self, study, seconds=60):
         until(lambda: self.study(study).state in ENDED, seconds)
         return self.study(study)
 
     def evaluate(self, study, curves=False):
-        return self.client.stub.EvaluateStudy(
-            study_pb2.EvaluateStudyRequest(id=study, curves=curves), timeout=30)
+        return self.client.ask("EvaluateStudy", id=study, curves=curves)
 
     def jobs_of(self, study):
-        return list(self.client.stub.ListJobs(
-            service_pb2.ListJobsRequest(study=study, page_size=1000), timeout=10).jobs)
+        return list(self.client.ask("ListJobs", study=study, page_size=1000).jobs)
 
     def cancel(self, study):
-        return self.client.stub.CancelStudy(study_pb2.CancelStudyRequest(id=study), timeout=20)
+        return self.client.ask("CancelStudy", id=study)
 
     def resume(self, study, failed=False):
-        return self.client.stub.ResumeStudy(
-            study_pb2.ResumeStudyRequest(id=study, failed=failed), timeout=20)
+        return self.client.ask("ResumeStudy", id=study, failed=failed)
 
     def delete(self, study):
-        return self.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(id=study), timeout=60)
+        return self.client.ask("DeleteStudy", id=study)
 
 
 class Sweep(StudyTest):
@@ -114,7 +112,7 @@ class Sweep(StudyTest):
 
     def test_a_watcher_sees_the_study_to_its_end(self):
         study = self.create(fake_case("steps=20 sleep_ms=10"), {"mesh.rows": range(1, 7)})
-        seen = list(self.client.stub.WatchStudy(study_pb2.WatchStudyRequest(id=study.id), timeout=60))
+        seen = list(self.client.ask("WatchStudy", id=study.id))
         self.assertGreater(len(seen), 2)
         self.assertEqual({message.state for message in seen[:-1]}, {study_pb2.STUDY_RUNNING})
         self.assertEqual(seen[-1].state, study_pb2.STUDY_SUCCEEDED)
@@ -122,8 +120,7 @@ class Sweep(StudyTest):
         self.assertTrue(seen[-1].HasField("end_time"))
         done = [message.succeeded for message in seen]
         self.assertEqual(done, sorted(done))
-        self.assertEqual(list(self.client.stub.WatchStudy(
-            study_pb2.WatchStudyRequest(id=study.id), timeout=10)), seen[-1:])
+        self.assertEqual(list(self.client.ask("WatchStudy", id=study.id)), seen[-1:])
 
     def test_what_is_refused(self):
         case = fake_case("steps=2")
@@ -139,17 +136,13 @@ class Sweep(StudyTest):
                              {"title": ["steps=1", "check=fault"]})
         self.assertIn("run 2 (title = check=fault): ", error.details())
 
-        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.CreateStudy,
-                     study_pb2.CreateStudyRequest(case=case), timeout=10)
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.ask, "CreateStudy", case=case)
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.study, "mine")
         for call in (self.study, self.evaluate, self.cancel, self.resume, self.delete):
             self.refused(grpc.StatusCode.NOT_FOUND, call, UUID)
-        self.refused(grpc.StatusCode.NOT_FOUND, self.client.stub.WatchStudy,
-                     study_pb2.WatchStudyRequest(id=UUID), timeout=10)
-        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.stub.ListStudies,
-                     study_pb2.ListStudiesRequest(page_token="x"), timeout=10)
-        self.assertEqual(len(self.client.stub.ListStudies(
-            study_pb2.ListStudiesRequest(), timeout=10).studies), 0)
+        self.refused(grpc.StatusCode.NOT_FOUND, self.client.ask, "WatchStudy", id=UUID)
+        self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.client.ask, "ListStudies", page_token="x")
+        self.assertEqual(len(self.client.ask("ListStudies").studies), 0)
 
     def test_cancelled_resumed_deleted(self):
         study = self.create(fake_case("steps=40 sleep_ms=10"), {"mesh.rows": range(1, 31)})
@@ -162,8 +155,7 @@ class Sweep(StudyTest):
         self.assertGreater(cancelled.cancelled, 20)
         self.assertTrue(all(job.state in TERMINAL for job in self.jobs_of(study.id)))
         before = len(self.jobs_of(study.id))
-        time.sleep(0.3)  # in which further runs would come
-        self.assertEqual(len(self.jobs_of(study.id)), before)
+        stays(lambda: len(self.jobs_of(study.id)) == before, 0.3)
 
         self.assertEqual(self.resume(study.id).state, study_pb2.STUDY_RUNNING)
         ended = self.until_ended(study.id)
@@ -171,7 +163,7 @@ class Sweep(StudyTest):
         self.delete(study.id)
         self.refused(grpc.StatusCode.NOT_FOUND, self.study, study.id)
         self.assertEqual(self.jobs_of(study.id), [])
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "jobs")), [])
+        self.assertEqual(os.listdir(self.in_folder("data", "jobs")), [])
 
     def test_runs_that_failed_by_their_case_are_done_again_only_when_asked(self):
         study = self.create(fake_case(), {"title": ["steps=3", "steps=3 fail_at=2"]})
@@ -205,26 +197,26 @@ class Sweep(StudyTest):
         took = time.monotonic() - begin
         self.assertEqual(self.study(study.id).state, study_pb2.STUDY_RUNNING)
 
-        while self.study(study.id).state == study_pb2.STUDY_RUNNING:
-            waiting = self.client.stub.GetServerInfo(service_pb2.GetServerInfoRequest(), timeout=10)
+        def has_ended():
+            nonlocal most_waiting
+            waiting = self.client.ask("GetServerInfo")
             most_waiting = max(most_waiting, waiting.queued)
-            time.sleep(0.05)
+            return self.study(study.id).state != study_pb2.STUDY_RUNNING
+        until(has_ended, 120, every_s=0.05)
         ended = self.study(study.id)
         self.assertEqual((ended.state, ended.succeeded), (study_pb2.STUDY_SUCCEEDED, 200))
         self.assertLessEqual(most_waiting, 17)
 
         print(f"\na job among 200 runs took {took:.2f} s; at most {most_waiting} runs waited")
         self.assertEqual(len({job.request_id for job in self.jobs_of(study.id)}), 200)
-        self.assertEqual([listed.id for listed in self.client.stub.ListStudies(
-            study_pb2.ListStudiesRequest(), timeout=10).studies], [study.id])
+        self.assertEqual([listed.id for listed in self.client.ask("ListStudies").studies], [study.id])
         self.assertEqual(len(self.evaluate(study.id).runs), 200)
 
     def test_studies_are_listed_in_pages(self):
         studies = [self.create(fake_case("steps=1"), {"mesh.rows": [row]}).id for row in range(1, 6)]
         listed, token = [], ""
         while True:
-            page = self.client.stub.ListStudies(
-                study_pb2.ListStudiesRequest(page_size=2, page_token=token), timeout=10)
+            page = self.client.ask("ListStudies", page_size=2, page_token=token)
             listed += [study.id for study in page.studies]
             token = page.next_page_token
             if not token:
@@ -233,7 +225,7 @@ class Sweep(StudyTest):
 
     def test_studies_are_listed_by_label_owner_and_the_beginning_of_an_id(self):
         def listed(**filters):
-            answer = self.client.stub.ListStudies(study_pb2.ListStudiesRequest(**filters), timeout=10)
+            answer = self.client.ask("ListStudies", **filters)
             return [study.id for study in answer.studies]
 
         both = self.create(fake_case("steps=1"), {"mesh.rows": [1]}, labels=["trial", "night shift"])
@@ -279,7 +271,7 @@ class Killed(StudyTest):
         before = self.until_ended(study.id)
         result = self.evaluate(study.id)
         self.daemon.terminate()
-        for file in glob.glob(os.path.join(self.folder, "data", "jobs.sqlite*")):
+        for file in glob.glob(self.in_folder("data", "jobs.sqlite*")):
             os.remove(file)
         self.restart()
         self.assertIn(f"study {study.id}: its row is made again", self.daemon.said())
@@ -293,9 +285,9 @@ class Killed(StudyTest):
         study = self.create(fake_case("steps=200 sleep_ms=10"), {"mesh.rows": range(1, 41)})
         until(lambda: self.study(study.id).running > 0, 20)
         dccastd = os.path.join(BIN, "dccastd")
-        copy, other = (os.path.join(self.folder, name) for name in ("copy", "other"))
+        copy, other = (self.in_folder(name) for name in ("copy", "other"))
         subprocess.run([dccastd, "backup", "--to", copy, "--set",
-                        "data_directory=" + os.path.join(self.folder, "data")],
+                        "data_directory=" + self.in_folder("data")],
                        capture_output=True, check=True)
         subprocess.run([dccastd, "restore", "--from", copy, "--set", "data_directory=" + other],
                        capture_output=True, check=True)
@@ -310,57 +302,49 @@ class Killed(StudyTest):
 class Command(StudyTest):
     """The commands of the client."""
 
-    def dccast(self, *words, code=0):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=120, check=False,
-                               cwd=self.folder)
-        self.assertEqual(ended.returncode, code, ended.stderr)
-        return ended
-
     def case_file(self, title):
         with open(CASE, encoding="utf-8") as shipped:
             text = re.sub(r"^title = .*$", f'title = "{title}"', shipped.read(), flags=re.M)
-        with open(os.path.join(self.folder, "case.toml"), "w", encoding="utf-8") as file:
-            file.write(text)
+        self.write_file("case.toml", text)
         return "case.toml"
 
     def test_a_sweep_from_the_command_line(self):
-        ended = self.dccast("sweep", self.case_file("steps=3"), "--grid",
+        ended = self.run_dccast("sweep", self.case_file("steps=3"), "--grid",
                             "schedule.casting_speed=40 mm/min,60 mm/min", "--grid", "mesh.rows=10,20",
                             "--csv", "out.csv", "--plot", "out.html")
         study = re.match(r"study ([0-9a-f-]+)", ended.stdout)[1]
         self.assertIn("4 of 4 runs", ended.stderr)
         self.assertEqual(len(re.findall(r"^ *\d+  .*succeeded$", ended.stdout, re.M)), 4)
 
-        with open(os.path.join(self.folder, "out.csv"), encoding="utf-8") as file:
+        with open(self.in_folder("out.csv"), encoding="utf-8") as file:
             rows = list(csv.DictReader(file))
         self.assertEqual([row["mesh.rows"] for row in rows], ["10", "20", "10", "20"])
         self.assertAlmostEqual(float(rows[2]["schedule.casting_speed_m_per_s"]), 1e-3, delta=1e-12)
 
-        with open(os.path.join(self.folder, "out.html"), encoding="utf-8") as file:
+        with open(self.in_folder("out.html"), encoding="utf-8") as file:
             page = file.read()
         # The curl against each key, and against both.
         self.assertEqual(page.count("data-kind='chart'"), 3)
         self.assertNotIn(">nan", page)
 
-        result = json.loads(self.dccast("sweep", "--study", study, "--json").stdout)
+        result = json.loads(self.dccast("sweep", "--study", study, "--json"))
         self.assertEqual(len(result["runs"]), 4)
         self.assertEqual(len(result["runs"][0]["curves"][0]["curl_m"]), 3)
-        self.assertIn(study[:8], self.dccast("studies").stdout)
+        self.assertIn(study[:8], self.dccast("studies"))
         self.assertIn("sweep of schedule.casting_speed, mesh.rows",
-                      self.dccast("studies", "show", study).stdout)
+                      self.dccast("studies", "show", study))
 
-        self.dccast("studies", "delete", study)
-        self.dccast("studies", "show", study, code=5)
+        self.run_dccast("studies", "delete", study)
+        self.run_dccast("studies", "show", study, code=5)
 
     def test_the_table_of_a_sweep_as_hdf5(self):
         path = self.case_file("steps=3 finding_at=2")
-        ended = self.dccast("sweep", path, "--grid",
+        ended = self.run_dccast("sweep", path, "--grid",
                             "schedule.casting_speed=40 mm/min,60 mm/min", "--grid", "mesh.rows=10,20",
                             "--output", "out.h5")
         study = re.match(r"study ([0-9a-f-]+)", ended.stdout)[1]
         runs = self.evaluate(study, curves=True).runs
-        with h5py.File(os.path.join(self.folder, "out.h5")) as table:
+        with h5py.File(self.in_folder("out.h5")) as table:
             self.assertEqual(table.attrs["study"], study)
             self.assertEqual(table.attrs["state"], "succeeded")
             self.assertEqual(list(table["key"].asstr()), ["schedule.casting_speed", "mesh.rows"])
@@ -382,12 +366,12 @@ class Command(StudyTest):
             self.assertEqual(set(table["findings/code"].asstr()), {"bleed_out_at_exit"})
             self.assertEqual(set(table["findings/severity"].asstr()), {"danger"})
 
-        self.dccast("studies", "fetch", study, "-o", "again.h5")
+        self.run_dccast("studies", "fetch", study, "-o", "again.h5")
         content = [pathlib.Path(self.folder, name).read_bytes() for name in ("out.h5", "again.h5")]
         self.assertEqual(content[0], content[1])  # what a client goes on from after a cut
 
-        self.dccast("studies", "fetch", study, "-o", "again.h5", code=2)
-        self.assertEqual(os.listdir(os.path.join(self.folder, "data", "check")), [])
+        self.run_dccast("studies", "fetch", study, "-o", "again.h5", code=2)
+        self.assertEqual(os.listdir(self.in_folder("data", "check")), [])
 
     def test_a_table_is_fetched_from_where_it_was_cut(self):
         study = self.create(fake_case("steps=50"), {"mesh.rows": range(1, 5)})
@@ -403,37 +387,35 @@ class Command(StudyTest):
         self.refused(grpc.StatusCode.NOT_FOUND, self.fetch, UUID)
 
     def fetch(self, study, offset=0, sha256=""):
-        return self.client.stub.FetchStudy(study_pb2.FetchStudyRequest(
-            id=study, offset=offset, sha256=sha256), timeout=60)
+        return self.client.ask("FetchStudy", id=study, offset=offset, sha256=sha256)
 
     def test_a_sweep_file(self):
         self.case_file("steps=2")
-        with open(os.path.join(self.folder, "sweep.toml"), "w", encoding="utf-8") as file:
-            file.write('case = "case.toml"\ndesign = "latin_hypercube"\nruns = 5\n[[axis]]\n'
-                       'key = "schedule.casting_speed"\nvalues = ["40 mm/min", "80 mm/min"]\n')
+        self.write_file("sweep.toml", 'case = "case.toml"\ndesign = "latin_hypercube"\nruns = 5\n[[axis]]\n'
+                        'key = "schedule.casting_speed"\nvalues = ["40 mm/min", "80 mm/min"]\n')
         rows = list(csv.DictReader(io.StringIO(
-            self.dccast("sweep", "sweep.toml", "--csv", "-").stdout)))
+            self.dccast("sweep", "sweep.toml", "--csv", "-"))))
         self.assertEqual(len(rows), 5)
         for row in rows:
             self.assertTrue(0.04 / 60 < float(row["schedule.casting_speed_m_per_s"]) < 0.08 / 60)
 
     def test_faults_name_run_and_key(self):
         path = self.case_file("steps=2")
-        said = self.dccast("sweep", path, "--grid", "mesh.rows=10,0", code=2).stderr
+        said = self.dccast("sweep", path, "--grid", "mesh.rows=10,0", code=2)
         self.assertIn("mesh.rows = 0", said)
-        said = self.dccast("sweep", path, "--grid", "mesh.rws=10", code=2).stderr
+        said = self.dccast("sweep", path, "--grid", "mesh.rws=10", code=2)
         self.assertIn("mesh.rws", said)
-        self.assertIn("[[axis]]", self.dccast("sweep", path, code=2).stderr)
-        self.assertIn("KEY=a,b,c", self.dccast("sweep", path, "--grid", "10", code=2).stderr)
+        self.assertIn("[[axis]]", self.dccast("sweep", path, code=2))
+        self.assertIn("KEY=a,b,c", self.dccast("sweep", path, "--grid", "10", code=2))
 
     def test_cancelled_and_resumed(self):
-        study = self.dccast("sweep", self.case_file("steps=100 sleep_ms=10"), "--grid",
+        study = self.run_dccast("sweep", self.case_file("steps=100 sleep_ms=10"), "--grid",
                             "mesh.rows=10,20,30", "--no-wait").stdout.strip()
-        self.assertIn("cancelled", self.dccast("studies", "cancel", study).stdout +
-                      self.dccast("studies", "show", study).stdout)
+        self.assertIn("cancelled", self.dccast("studies", "cancel", study) +
+                      self.dccast("studies", "show", study))
         self.until_ended(study)
-        self.assertIn("running", self.dccast("studies", "resume", study).stdout)
-        self.dccast("studies", "cancel", study)
+        self.assertIn("running", self.dccast("studies", "resume", study))
+        self.run_dccast("studies", "cancel", study)
 
 
 class Predicted(StudyTest):
@@ -447,7 +429,7 @@ class Predicted(StudyTest):
 
     def coarse_case(self):
         """The shipped thickness section for a short time, from the client's reader."""
-        path = os.path.join(self.folder, "case.toml")
+        path = self.in_folder("case.toml")
         with open(CASE, encoding="utf-8") as shipped:
             text = shipped.read()
         for pattern, other in ((r"(?s)^\[mesh\].*?(?=^\[)",
@@ -461,16 +443,9 @@ class Predicted(StudyTest):
             file.write(text)
         return path
 
-    def dccast(self, *words):
-        ended = subprocess.run([os.path.join(BIN, "dccast"), "--server", self.daemon.address, *words],
-                               capture_output=True, text=True, timeout=250, check=False)
-        self.assertEqual(ended.returncode, 0, ended.stderr)
-        return ended.stdout
-
     def predict(self, study, **values):
         changes = [job_pb2.CaseChange(key=key, value=value) for key, value in values.items()]
-        return self.client.stub.PredictStudy(
-            study_pb2.PredictStudyRequest(id=study, values=changes), timeout=60)
+        return self.client.ask("PredictStudy", id=study, values=changes)
 
     def test_a_surface_holds_for_runs_it_has_not_seen(self):
         path = self.coarse_case()
@@ -531,7 +506,7 @@ class Predicted(StudyTest):
                          error)
         self.assertIn("mesh and steps mm", self.dccast("predict", study))
 
-        path = os.path.join(self.folder, "run.h5")
+        path = self.in_folder("run.h5")
         self.dccast("fetch", run["job"], "-o", path)
         with h5py.File(path) as file:
             self.assertEqual(file.attrs["relative_curl_error"], error)

@@ -9,7 +9,8 @@ import termios
 import time
 
 from dccast.v1 import job_pb2
-from support import BIN, ServiceTest, fake_case, main, until
+from support import ServiceTest, fake_case, main
+from waiting import until
 
 ENTER, LEAVE = b"\033[?1049h\033[?25l", b"\033[?25h\033[?1049l"
 
@@ -24,12 +25,8 @@ class TopTest(ServiceTest):
         self.waiting = [self.client.submit(fake_case("steps=5")).id for _ in range(3)]
         self.owner = self.client.job(self.running).owner
 
-    def command(self, *words):
-        return [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "top", *words]
-
     def test_once(self):
-        page = subprocess.run(self.command("--once"), capture_output=True, text=True, timeout=30,
-                              check=True).stdout
+        page = self.dccast("top", "--once")
         for part in ("1 of 1 running, 3 queued, 0 paused", "memory: daemon", self.running[:8],
                      "] 10 %", "steps=1000", "OWNER", "#1"):
             self.assertIn(part, page)
@@ -37,8 +34,7 @@ class TopTest(ServiceTest):
         self.client.cancel(self.running)
         for job in (self.running, *self.waiting):
             self.client.until_state(job, job_pb2.SUCCEEDED, job_pb2.CANCELLED)
-        page = subprocess.run(self.command("--once"), capture_output=True, text=True, timeout=30,
-                              check=True).stdout
+        page = self.dccast("top", "--once")
         self.assertIn("no job runs", page)
 
     def on_a_terminal(self, leave):
@@ -48,8 +44,8 @@ class TopTest(ServiceTest):
         before = termios.tcgetattr(child_end)
         environment = {**os.environ, "TERM": "xterm"}
         environment.pop("COLUMNS", None)
-        top = subprocess.Popen(self.command("--interval", "1"), stdin=child_end, stdout=child_end,
-                               stderr=child_end, env=environment)
+        top = subprocess.Popen(self.client_command("top", "--interval", "1"), stdin=child_end,
+                               stdout=child_end, stderr=child_end, env=environment)
         self.addCleanup(os.close, terminal)
         self.addCleanup(os.close, child_end)
         written = b""

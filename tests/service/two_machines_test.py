@@ -18,8 +18,9 @@ from selenium.webdriver.common.keys import Keys
 
 from access_test import AccessTest
 from certificates import TestCa
-from support import BIN, Daemon, main, until
+from support import BIN, Daemon, main
 from web_pages_test import Hands
+from waiting import until
 
 SERVER, PC = "192.0.2.1", "192.0.2.2"  # of the documentation: in no other network
 CLONE_NEWNET = 0x40000000
@@ -103,7 +104,7 @@ class Day(Hands, AccessTest):
         self.web = subprocess.Popen(
             ["ip", "netns", "exec", server, os.path.join(BIN, "dccast-web"), "serve", "--listen", f"{SERVER}:443",
              "--certificate", certificate, "--key", ca.key, "--socket", self.daemon.address, "--state",
-             os.path.join(self.folder, "web")], stderr=subprocess.PIPE, text=True)
+             self.in_folder("web")], stderr=subprocess.PIPE, text=True)
         self.addCleanup(self.web.stderr.close)
         self.addCleanup(self.web.wait, 10)
         self.addCleanup(self.web.terminate)
@@ -141,7 +142,7 @@ class Day(Hands, AccessTest):
         self.find("main p.answer", "since the block started")
         self.step("ended, with its answer")
 
-        folder = os.path.join(self.folder, "downloads")
+        folder = self.in_folder("downloads")
         os.makedirs(folder)
         self.chromium.execute_cdp_cmd("Browser.setDownloadBehavior",
                                       {"behavior": "allow", "downloadPath": folder})

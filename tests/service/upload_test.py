@@ -3,12 +3,12 @@
 import concurrent.futures
 import os
 import re
-import subprocess
 
 import grpc
 
-from dccast.v1 import job_pb2, service_pb2, study_pb2
-from support import BIN, SANITIZED, ServiceTest, fake_case, main, until
+from dccast.v1 import job_pb2, study_pb2
+from support import SANITIZED, ServiceTest, fake_case, main
+from waiting import until
 
 
 def case_with(*attachments):
@@ -22,7 +22,7 @@ class Uploads(ServiceTest):
     settings = {"workers__count": 1, "per_user__maximum_uploads": "2 GB"}
 
     def uploaded(self):
-        return os.listdir(os.path.join(self.folder, "data", "uploads"))
+        return os.listdir(self.in_folder("data", "uploads"))
 
     def resident(self):
         with open(f"/proc/{self.daemon.process.pid}/status", encoding="ascii") as file:
@@ -46,7 +46,7 @@ class Uploads(ServiceTest):
         job = self.client.submit(**case_with(named))
         self.daemon.kill_with_workers()
         self.restart()
-        path = os.path.join(self.folder, "data", "jobs", job.id, "attachments", "slab.msh")
+        path = self.in_folder("data", "jobs", job.id, "attachments", "slab.msh")
         with open(path, "rb") as file:
             self.assertEqual(file.read(), b"mesh")
         self.client.until_state(job.id, job_pb2.SUCCEEDED)
@@ -69,14 +69,14 @@ class Uploads(ServiceTest):
         self.assertEqual((taken.name, taken.size_bytes, taken.job), ("slab.msh", 4, job.id))
 
         other = self.client.submit(**case_with(taken))
-        path = os.path.join(self.folder, "data", "jobs", other.id, "attachments", "slab.msh")
+        path = self.in_folder("data", "jobs", other.id, "attachments", "slab.msh")
         with open(path, "rb") as file:
             self.assertEqual(file.read(), b"mesh")
         self.client.until_state(other.id, job_pb2.SUCCEEDED)
 
         unknown = job_pb2.Attachment(name="slab.msh", sha256=64 * "0", job=job.id)
         self.refused(grpc.StatusCode.ABORTED, self.client.submit, **case_with(unknown))
-        self.client.stub.DeleteJob(service_pb2.DeleteJobRequest(id=job.id), timeout=10)
+        self.client.ask("DeleteJob", id=job.id)
         self.refused(grpc.StatusCode.NOT_FOUND, self.client.submit, **case_with(taken))
 
     def test_a_study_keeps_the_files_of_its_case(self):
@@ -89,27 +89,22 @@ class Uploads(ServiceTest):
         self.restart()
 
         def found():
-            return self.client.stub.GetStudy(study_pb2.GetStudyRequest(id=study.id), timeout=10)
+            return self.client.ask("GetStudy", id=study.id)
         until(lambda: found().state == study_pb2.STUDY_SUCCEEDED, 20)
-        kept = os.path.join(self.folder, "data", "studies", study.id + ".attachments")
+        kept = self.in_folder("data", "studies", study.id + ".attachments")
         self.assertEqual(os.listdir(kept), ["slab.msh"])
-        self.client.stub.DeleteStudy(study_pb2.DeleteStudyRequest(id=study.id), timeout=10)
+        self.client.ask("DeleteStudy", id=study.id)
         self.assertFalse(os.path.exists(kept))
 
     def test_the_command_line_uploads_a_file_once(self):
-        path = os.path.join(self.folder, "slab.toml")
-        with open(os.path.join(self.folder, "slab.msh"), "w", encoding="ascii") as file:
-            file.write("mesh")
+        path = self.in_folder("slab.toml")
+        self.write_file("slab.msh", "mesh")
         with open(path, "w", encoding="utf-8") as file:
             file.write('title = "steps=1"\n[section]\nhalf_width = "0.25 m"\n'
                        'initial_depth = "5 cm"\n[time]\nend = "145 s"\n[mesh]\nfile = "slab.msh"\n'
                        '[[monitor]]\nname = "corner"\nx = "0.25 m"\ny = "0 m"\n')
         for _ in range(2):
-            ended = subprocess.run(
-                [os.path.join(BIN, "dccast"), "--server", self.daemon.address, "submit", path],
-                capture_output=True, text=True, timeout=30, check=False)
-            self.assertEqual(ended.returncode, 0, ended.stderr)
-            self.client.until_state(ended.stdout.strip(), job_pb2.SUCCEEDED)
+            self.client.until_state(self.dccast("submit", path).strip(), job_pb2.SUCCEEDED)
         self.assertEqual(len(self.uploaded()), 1)
 
 

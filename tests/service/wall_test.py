@@ -6,9 +6,10 @@ import numpy
 from selenium.webdriver.common.by import By
 
 from dashboard_test import InBrowser
-from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, study_pb2
+from dccast.v1 import case_pb2, follow_pb2, job_pb2, study_pb2
 from follow_test import FollowTest, levers
-from support import main, until
+from support import main
+from waiting import until
 
 END = 120  # s of the plan
 
@@ -67,10 +68,10 @@ class Advice(Wall):
 
     def test_what_can_still_be_done_is_that_of_the_forecast(self):
         with open(self.case_file(self.END), encoding="utf-8") as file:
-            case = self.client.stub.ReadCase(service_pb2.ReadCaseRequest(text=file.read()), timeout=20).case
+            case = self.client.ask("ReadCase", text=file.read()).case
         case.quality = case_pb2.DRAFT
-        study = self.client.stub.CreateStudy(study_pb2.CreateStudyRequest(
-            request_id="levers", case=case, levers=study_pb2.LeversPlan()), timeout=20)
+        study = self.client.ask("CreateStudy", request_id="levers", case=case,
+                                levers=study_pb2.LeversPlan())
         until(lambda: all(each.state != study_pb2.STUDY_RUNNING for each in self.studies()), 180)
         plan = self.client.submit(case)
         self.client.until_state(plan.id, job_pb2.SUCCEEDED, seconds=60)
@@ -248,8 +249,7 @@ class Choice(Wall):
         other = self.submit_case("quality=fine", "mesh.refinement=3")
         self.client.until_state(other, job_pb2.RUNNING)
         for job, labels in ((other, ["hall=7"]), (job_id, ["hall=3"])):
-            self.client.stub.UpdateJob(
-                service_pb2.UpdateJobRequest(id=job, set_labels=labels), timeout=10)
+            self.client.ask("UpdateJob", id=job, set_labels=labels)
         self.go("wall")
         self.wait_for("pit-3", "h1")
         self.go("wall/hall=7")

@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 import tempfile
-import time
 import urllib.parse
 import urllib.request
 import uuid
@@ -19,8 +18,9 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from dccast.v1 import job_pb2, line_pb2, service_pb2, study_pb2
-from support import BIN, WAIT_FACTOR, fake_case, main, until
+from support import BIN, fake_case, main
 from web_test import Browser, WebTest
+from waiting import WAIT_FACTOR, stays, until
 
 AXE = "axe-core@4.10.2"
 # Each page, and what it shows last.
@@ -348,8 +348,7 @@ class ByKeyboard(PagesTest):
         job = link.text
         self.assertEqual(self.stub.GetJob(service_pb2.GetJobRequest(id=job), timeout=10).owner, "anna")
         self.press("#found button", "Queue as a job")
-        time.sleep(1)
-        self.assertEqual(len(self.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs), 1)
+        stays(lambda: len(self.stub.ListJobs(service_pb2.ListJobsRequest(), timeout=10).jobs) == 1, 1)
         self.stub.CancelJob(service_pb2.CancelJobRequest(id=job), timeout=10)
 
 

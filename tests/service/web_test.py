@@ -28,7 +28,8 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from access_test import AccessTest
 from certificates import TestCa
-from support import BIN, SANITIZED, WAIT_FACTOR, SocketConnection, fake_case, main, until
+from support import BIN, SANITIZED, SocketConnection, fake_case, main
+from waiting import WAIT_FACTOR, turns, until
 
 SERVICE = "/dccast.v1.SimulationService/"
 JSON = {"Content-Type": "application/json"}
@@ -446,12 +447,10 @@ class Strangers(WebTest):
         self.assertEqual(response.status, 200)
 
     def are_others_served(self, seconds):
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
+        for _ in turns(seconds, 0.1):
             begin = time.monotonic()
             self.page()
             self.assertLess(time.monotonic() - begin, 2)
-            time.sleep(0.1)
 
     def test_they_neither_fill_it_nor_silence_it(self):
         port, context = self.web.port, ssl.create_default_context(cafile=self.web.ca)

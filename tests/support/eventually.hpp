@@ -17,4 +17,10 @@ bool eventually(Condition&& condition,
   return true;
 }
 
+/// For a time in which nothing may come. @return false: the condition did not hold all along
+template <class Condition>
+bool stays(Condition&& condition, std::chrono::milliseconds time) {
+  return !eventually([&] { return !condition(); }, time);
+}
+
 }  // namespace dccast

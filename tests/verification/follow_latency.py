@@ -8,6 +8,8 @@ time of the casting cannot begin before a reading of that time has come; the del
 its arrival at a client. The readings before --begin are sent at once.
 """
 import argparse
+import pathlib
+import sys
 import threading
 import time
 
@@ -15,6 +17,9 @@ import grpc
 import numpy
 
 from dccast.v1 import case_pb2, follow_pb2, service_pb2, service_pb2_grpc
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from waiting import until, wait_for_clock
 
 
 def arguments():
@@ -57,16 +62,15 @@ def main():
     options = arguments()
     live = Live(options)
     live.send(*range(-live.hold_s, options.begin))
-    while max(live.arrived, default=-1e9) < options.begin - 3:
-        time.sleep(0.1)
+    until(lambda: max(live.arrived, default=-1e9) >= options.begin - 3, 600)
 
     came = {}
     begin = time.monotonic()
     for second in range(options.seconds):
-        time.sleep(max(0.0, begin + second - time.monotonic()))
+        wait_for_clock(begin + second)
         came[options.begin + second] = time.monotonic()
         live.send(options.begin + second)
-    time.sleep(10)
+    time.sleep(10)  # in which the last steps arrive; which is the last is not known
     live.stub.CancelJob(service_pb2.CancelJobRequest(id=live.job), timeout=30)
 
     delays = [clock - came[int(numpy.ceil(t))] for t, clock in live.arrived.items()

@@ -28,7 +28,6 @@ import random
 import re
 import subprocess
 import sys
-import time
 import types
 import zlib
 
@@ -37,6 +36,7 @@ import numpy
 
 import plant
 from dccast.v1 import case_pb2, follow_pb2, job_pb2, service_pb2, service_pb2_grpc, study_pb2
+from waiting import until
 
 AHEAD = (30, 60, 120)
 PHASES = (("all", 20, 1e9), ("20..60 s", 20, 61), ("70..100 s", 70, 101), ("110 s on", 110, 1e9))
@@ -161,12 +161,10 @@ def levers_of(options, study):
 
 def wait_for_run(options, job, t):
     """Until the run that follows the casting is near the last reading: a step is up to 2 s long."""
-    for _ in range(600):
+    def is_near():
         now = options.stub.GetJob(service_pb2.GetJobRequest(id=job), timeout=30)
-        if now.last_step.time_s >= t - 2 or now.state not in (job_pb2.RUNNING, job_pb2.QUEUED):
-            return
-        time.sleep(0.1)
-    raise SystemExit(f"job {job} does not keep up")
+        return now.last_step.time_s >= t - 2 or now.state not in (job_pb2.RUNNING, job_pb2.QUEUED)
+    until(is_near, 60, every_s=0.1)
 
 
 def errors_of(options, basis, mean, truth, band, shots, levers=None):

@@ -9,6 +9,7 @@ faster, with the errors that the options name. What was done wrong goes to stand
 """
 import argparse
 import math
+import pathlib
 import random
 import sys
 import time
@@ -17,6 +18,9 @@ import grpc
 import numpy
 
 from dccast.v1 import options_pb2, service_pb2, service_pb2_grpc
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from waiting import wait_for_clock
 
 
 def arguments():
@@ -146,7 +150,7 @@ def main():
     begin, first = time.monotonic(), plant.casting.times[0]
     for t, line in plant.lines():
         due = begin + (t - first) / options.pace if options.pace > 0 else begin
-        time.sleep(max(0.0, due - time.monotonic()))
+        wait_for_clock(due)
         print(line, flush=True)
     print("factor %.3f, zero %.2f mm; %s" % (plant.gauge.factor, plant.gauge.zero_mm, ", ".join(
         "%d %s" % (count, fault) for fault, count in plant.wrong.items())), file=sys.stderr)

@@ -27,8 +27,8 @@ struct StepPage {
   std::optional<StepPlace> next;  ///< the next page follows this step; nothing on the last page
 };
 
-/// Index of the valid steps in an event log. Built in one pass and updated as the log grows, so
-/// that the cost of a page depends on its own length only. Safe to use from several threads.
+/// Places of the valid steps in an event log. Built in one pass and updated as the log grows, so
+/// that reading some steps costs as much as these. Safe to use from several threads.
 class StepIndex {
 public:
   /// The steps after a given one, at least one if there is any.
@@ -38,30 +38,26 @@ public:
   std::optional<StepPage> page(const EventLog& log, const StepPlace& after, std::size_t most_steps,
                                std::size_t most_bytes);
 
+  /// Steps that are spread evenly over the history from its first one, and its last one.
+  /// @param log   as for page()
+  /// @param most  at least 2
+  /// @throws std::runtime_error  the log is damaged
+  std::vector<v1::StepReport> samples(const EventLog& log, std::size_t most);
+
 private:
-  /// Events from `first` to before `end`, whose steps increase from `first_step`. Steps after
-  /// `last_step` were taken back.
-  struct Span {
-    /// Sequence numbers of the span, the end not included, and its first and last step.
-    std::int64_t first = 0;
-    std::int64_t end = 0;
-    std::int64_t first_step = 0;
-    std::int64_t last_step = 0;
-    bool closed = false;  ///< a step was taken back: later events belong to another span
+  struct Entry {
+    EventLog::Cursor at;
+    std::int64_t step = 0;
   };
 
   /// Reads the events that were appended since the last call.
   void update(const EventLog& log);
   /// After a resumption: steps from this one on are reported again.
   void take_back_from(std::int64_t step);
-  /// Adds a step to the last span, or begins another.
-  void add(std::int64_t sequence, std::int64_t step);
-  /// Spans that hold the steps after a place; empty if the place is unknown.
-  std::optional<std::vector<Span>> spans_after(const StepPlace& place) const;
 
   std::mutex mutex_;
   EventLog::Cursor cursor_;
-  std::vector<Span> spans_;
+  std::vector<Entry> steps_;  ///< in the order of both
 };
 
 /// The indexes of the most recently requested jobs.

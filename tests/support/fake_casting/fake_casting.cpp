@@ -218,7 +218,7 @@ std::optional<RunOutcome> FakeRun::resume() {
 
 void FakeRun::wait() const {
   while (is("wait_at") && !std::filesystem::exists(directory.path / "go"))
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));  // until the test lets it go on
 }
 
 /// Crashes, hangs, freezes or attacks, if the script asks for it in this step.
@@ -231,7 +231,7 @@ void FakeRun::misbehave() const {
   if (const auto bytes = script.number("attack", 0); bytes > 0 && state.step == 2)
     std::ofstream(directory.path / "taken")
         << attack(static_cast<std::size_t>(bytes), directory.path);
-  while (is("hang_once_at")) std::this_thread::sleep_for(std::chrono::hours(1));
+  while (is("hang_once_at")) std::this_thread::sleep_for(std::chrono::hours(1));  // it is killed
 }
 
 RunOutcome FakeRun::solve_failed() const {
@@ -248,7 +248,7 @@ RunOutcome FakeRun::solve_failed() const {
 /// Computes a step. @return the outcome if the run ends with it
 std::optional<RunOutcome> FakeRun::step() {
   wait();
-  std::this_thread::sleep_for(std::chrono::milliseconds(script.number("sleep_ms", 0)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(script.number("sleep_ms", 0)));  // computes
   advance(state);
   misbehave();
   if (is("fail_at") || opens_too_far) return solve_failed();
@@ -281,7 +281,7 @@ CheckedCase check(const Case& casting_case, const std::vector<std::string>&) {
   const Script script(casting_case.title);
   CheckedCase checked;
   if (script.word("check") == "crash") std::abort();
-  std::this_thread::sleep_for(std::chrono::milliseconds(script.number("check_ms", 0)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(script.number("check_ms", 0)));  // checks
   if (script.word("check") == "fault") {
     checked.faults.add("monitor[0].y", 7.0, "is outside the slab", "0 to 0.1 m", "move it");
     checked.faults.add("limits.maximum_steps", 10.0, "the case has 145 steps", "at least 145", "");

@@ -207,7 +207,7 @@ TEST_F(Users, ALockThatAnotherProcessKeepsStopsChangesForASecondAndNoReader) {
       EXPECT_NE(std::string(error.what()).find("is locked by another process"), std::string::npos);
     }
   });
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it waits for the lock by then
   EXPECT_TRUE(store.prove(token, now).proven());
   EXPECT_LT(elapsed_s(), 0.9);
   changing.join();

@@ -327,6 +327,16 @@ class Sources(unittest.TestCase):
             for number, line in enumerate(text_of(path).splitlines(), 1)
             if machine_path.search(line) and path.name != pathlib.Path(__file__).name])
 
+    def test_a_sleep_of_a_test_says_why_nothing_can_be_waited_for(self):
+        sleep = re.compile(r"\b(time\.sleep|sleep_for|sleep_until|nanosleep|usleep)\(")
+        helpers = {"waiting.py", "eventually.hpp", pathlib.Path(__file__).name}
+        self.assert_none([
+            f"{path}:{number}: {line.strip()}"
+            for path in FILES if path.parts[0] == "tests" and path.suffix in (".py", ".cpp", ".hpp", ".js")
+            and path.name not in helpers
+            for number, line in enumerate(text_of(path).splitlines(), 1)
+            if sleep.search(line) and not re.search("#|//", line)])
+
     def test_every_package_found_is_a_package_installed(self):
         entries = [line.split() for line in text_of("deploy/packages.txt").splitlines()
                    if line and not line.startswith("#")]

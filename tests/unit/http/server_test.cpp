@@ -199,7 +199,7 @@ TEST_F(HttpServer, ABodyThatIsPutHasItsOwnLimits) {
   const auto begin = steady_clock::now();
   slow.send(head + "Content-Length: 50000\r\n\r\n");
   while (slow.send("y") && steady_clock::now() < begin + std::chrono::seconds(10))
-    std::this_thread::sleep_for(milliseconds(20));
+    std::this_thread::sleep_for(milliseconds(20));  // the pace of a slow peer
   EXPECT_LT(steady_clock::now(), begin + std::chrono::seconds(3));
   // What is no PUT keeps the limit of bodies.
   Peer post(port());
@@ -228,8 +228,8 @@ TEST_F(HttpServer, ABodyThatNobodyWantsIsNotReadToItsEnd) {
   EXPECT_TRUE(eventually([&] { return is_cut.load(); }));
   Peer waiting(port());
   waiting.send("PUT /cut" + length);
-  std::this_thread::sleep_for(milliseconds(50));
-  server_->stop();  // ends while a handler waits for the rest
+  std::this_thread::sleep_for(milliseconds(50));  // the handler waits by then
+  server_->stop();                                // ends while a handler waits for the rest
 }
 
 TEST_F(HttpServer, ARequestThatComesSlowlyIsGivenUp) {
@@ -238,7 +238,7 @@ TEST_F(HttpServer, ARequestThatComesSlowlyIsGivenUp) {
   const auto begin = steady_clock::now();
   slow.send("GET / HTTP/1.1\r\nX: ");
   while (slow.send("y") && steady_clock::now() < begin + std::chrono::seconds(10))
-    std::this_thread::sleep_for(milliseconds(20));
+    std::this_thread::sleep_for(milliseconds(20));  // the pace of a slow peer
   EXPECT_LT(steady_clock::now(), begin + std::chrono::seconds(3));
 }
 
@@ -347,8 +347,8 @@ TEST_F(HttpServer, SilentStreamsHoldNoThreadAndNoticeThatTheirPeerHasLeft) {
     return streams.size();
   };
   EXPECT_TRUE(eventually([&] { return count() == peers; }));
-  std::this_thread::sleep_for(milliseconds(600));  // a silent source is no silent peer
-  EXPECT_EQ(left, 0);
+  EXPECT_TRUE(stays([&] { return left == 0; }, milliseconds(600)))
+      << "a silent source is no silent peer";
   EXPECT_EQ(status_of(Peer(port()).ask("/")), "HTTP/1.1 200 OK");
 
   open.clear();

@@ -31,10 +31,10 @@ public:
     ::waitpid(id_, nullptr, 0);
   }
   pid_t id() const { return id_; }
-  /// Not at once: somebody waits for its end by then.
+  /// Not at once: another thread waits for its end by then.
   void kill_soon() {
     killer_ = std::jthread([this] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));  // see above
       ::kill(id_, SIGKILL);
     });
   }

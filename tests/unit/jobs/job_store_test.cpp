@@ -254,7 +254,7 @@ TEST_F(JobStoreTest, ALockOfAnotherProcessIsAwaitedForASecond) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(1800));
 
   std::thread writing([&] { store_.put(new_record("r")); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it waits for the lock by then
   other.execute("ROLLBACK");
   writing.join();
   EXPECT_TRUE(store_.find_request("r"));

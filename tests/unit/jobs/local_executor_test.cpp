@@ -129,8 +129,8 @@ TEST_F(LocalExecutorStops, NoWorkerThatHasNotClaimedItsFolderYet) {
                                          .on_change = [](const auto&) {},
                                          .processor_s = [] { return std::nullopt; }});
   executor_.start({.job_id = "a-job", .attempt = 1, .folder = folder_.path()});
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_FALSE(is_stopped_) << "nothing would continue it";
+  EXPECT_TRUE(stays([&] { return !is_stopped_; }, std::chrono::milliseconds(200)))
+      << "nothing would continue it";
 
   claim();
   EXPECT_TRUE(eventually([&] { return is_stopped_.load(); }));

@@ -117,8 +117,8 @@ TEST_F(PrecedenceTest, PrecedenceEndsAfterTwiceTheEstimate) {
   const auto draft = enter(Urgency::draft, "draft", Computes(), 0.2);
   EXPECT_TRUE(is_stopped("job"));
   EXPECT_TRUE(eventually([&] { return !is_stopped("job"); }));
-  std::this_thread::sleep_for(3 * between_looks);
-  EXPECT_FALSE(is_stopped("job")) << "it does not come back";
+  EXPECT_TRUE(stays([&] { return !is_stopped("job"); }, 3 * between_looks))
+      << "it does not come back";
 
   const auto quick = enter(Urgency::quick, "quick");
   EXPECT_TRUE(is_stopped("job"));
@@ -128,8 +128,7 @@ TEST_F(PrecedenceTest, PrecedenceEndsAfterTwiceTheEstimate) {
 TEST_F(PrecedenceTest, ARunWhoseUseIsNotKnownKeepsItsPrecedence) {
   const auto job = enter(Urgency::batch, "job");
   const auto quick = enter(Urgency::quick, "quick", [] { return std::nullopt; });
-  std::this_thread::sleep_for(3 * between_looks);
-  EXPECT_TRUE(is_stopped("job"));
+  EXPECT_TRUE(stays([&] { return is_stopped("job"); }, 3 * between_looks));
 }
 
 }  // namespace

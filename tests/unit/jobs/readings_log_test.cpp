@@ -8,6 +8,7 @@
 
 #include "core/storage/file.hpp"
 #include "server/jobs/folder/events.hpp"
+#include "tests/support/eventually.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace dccast::jobs {
@@ -199,14 +200,15 @@ TEST_F(ReadingsLogTest, TakesSoManyAtOnceAndLaterMore) {
   }
   EXPECT_EQ(log.state().number(), taken) << "a call is taken as a whole or not at all";
 
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (std::chrono::steady_clock::now() < end && log.state().number() == taken) {
+  const auto is_taken = [&] {
     try {
       log.append(readings(taken + 1, taken + batch));
+      return true;
     } catch (const TooManyAtOnce&) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      return false;
     }
-  }
+  };
+  EXPECT_TRUE(eventually(is_taken, std::chrono::seconds(20)));
   EXPECT_EQ(log.state().number(), taken + batch);
 }
 

@@ -58,8 +58,8 @@ while True:
     if text == b"abort": os.abort()
     if text == b"killed": os.kill(os.getpid(), signal.SIGKILL)
     if text == b"leave": sys.exit(3)
-    if text == b"hang": time.sleep(1000)
-    if text == b"grow": held.append(b"x" * 300000000); time.sleep(1000)
+    if text == b"hang": time.sleep(1000)  # it is killed
+    if text == b"grow": held.append(b"x" * 300000000); time.sleep(1000)  # it is killed
     if text == b"nonsense": link.sendall(b"\xff" * 16)
     if kind == 4:
         for event in range(1, 1001): send(field(1, b"\x08" + varint(event)))

@@ -74,7 +74,7 @@ bool run_and_kill(const TemporaryFolder& folder, int delay) {
     run_sample(folder);
     ::_exit(0);
   }
-  ::usleep(static_cast<useconds_t>(delay));
+  ::usleep(static_cast<useconds_t>(delay));  // the instant of the kill is what is tried
   ::kill(child, SIGKILL);
   int status = 0;
   ::waitpid(child, &status, 0);

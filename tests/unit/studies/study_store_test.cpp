@@ -219,7 +219,7 @@ TEST_F(StudyStoreTest, ALockOfAnotherProcessStopsChangesForASecondAndNoReader) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
   std::thread changing([&] { EXPECT_THROW(store_.begin_removal(record.id), jobs::StoreError); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it waits for the lock by then
   EXPECT_TRUE(store_.find(record.id));
   EXPECT_LT(elapsed_s(), 0.9);
   changing.join();

@@ -103,7 +103,7 @@ TEST_F(JobRunTest, StopsAtACheckpointWhenNoDaemonComes) {
   const JobRun run(order_, *claim_);
   for (int i = 0; i < 12; ++i) {  // twice as long as it waits
     storage::write_file(alive, std::string(1, static_cast<char>('a' + i)));
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the pace of a daemon's signs
   }
   EXPECT_EQ(run.order(), casting::Order::go_on);
 
