@@ -75,8 +75,9 @@ void print_answer(const StudyOptions& options, const v1::StudyJudgement& answer,
                   const std::string& other_output = {});
 
 /// Prints what the server concludes from a run that has a step. One that it cannot judge gets a
-/// line on standard error.
-void print_judgement(Connection& connection, const v1::ComparedRun& run, std::ostream& stream);
+/// line on standard error. @param line  also what its castings say of the recipe; empty: none
+void print_judgement(Connection& connection, const v1::ComparedRun& run, std::ostream& stream,
+                     const std::string& line = {});
 
 /// Follows a job as `watch` does and reports how it ended; results on stdout unless
 /// `messages_only`.

@@ -198,6 +198,8 @@ void add_design_recipe(CommandLine& line, Program& program) {
                  "Largest difference of the levels of speed and water from those of the case, "
                  "in percent");
   command.option("--point", choice.point, "Monitor; absent: output.curl, or the largest curl");
+  command.option("--line", choice.line,
+                 "Data that the castings of this line leave possible (dccast line add)");
   command.number("--drafts", choice.drafts, 12, 5000, "Drafts over recipe and data");
   command.number("--castings", choice.castings, 2, 200,
                  "Drafts over the data at each recipe, twice");

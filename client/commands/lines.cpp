@@ -15,6 +15,7 @@
 #include "client/session/jobs.hpp"
 #include "client/text/job_text.hpp"
 #include "client/text/table.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/values/digests.hpp"
 
 namespace dccast::client {
@@ -22,7 +23,7 @@ namespace {
 
 struct LineOptions {
   std::string name;
-  bool json = false;
+  bool json = false, all = false;
   std::string recipe, file, request_id;
   std::vector<std::string> castings;
   TypedWords typed;
@@ -34,8 +35,7 @@ ExitCode list(const LineOptions& options, Program& program) {
   // A file that cannot be read hides no other line.
   for (const std::string& name : answer.damaged())
     std::cerr << fmt::format(
-        "line {0} is damaged: restore its file from a backup, or dccast line forget "
-        "{0}\n",
+        "line {0} is damaged: restore its file from a backup, or dccast line forget {0} --all\n",
         name);
   if (options.json) {
     print_line(json_list(answer.lines(), [](const v1::Line& line) { return to_json(line); }));
@@ -55,7 +55,7 @@ ExitCode list(const LineOptions& options, Program& program) {
 
 /// "200 sound", "bled-out at 40 mm"
 std::string outcome_of(const v1::LineCasting& casting) {
-  std::string text = outcome_text(casting.outcome());
+  std::string text = case_file::outcome_word(casting.outcome());
   if (casting.count() > 1) text = fmt::format("{} {}", casting.count(), text);
   if (casting.has_at_m()) text += fmt::format(" at {:.0f} mm", 1e3 * casting.at_m());
   if (casting.has_sawn_off_m())
@@ -269,8 +269,10 @@ ExitCode forget_castings(const LineOptions& options, Connection& connection) {
 }
 
 ExitCode forget(const LineOptions& options, Program& program) {
+  if (options.castings.empty() != options.all)
+    throw invalid("name the CASTINGs to forget, or give --all for the whole line");
   Connection connection = program.connect();
-  if (!options.castings.empty()) return forget_castings(options, connection);
+  if (!options.all) return forget_castings(options, connection);
 
   connection.call_once(&Stub::DeleteLine, request_for<v1::DeleteLineRequest>(options));
   if (options.json)
@@ -282,7 +284,7 @@ ExitCode forget(const LineOptions& options, Program& program) {
 
 /// Options that say how a casting went.
 void add_typed_options(const Command& command, TypedWords& typed) {
-  command.option("--outcome", typed.outcome, "sound, bled-out, cracked, hung-up or aborted");
+  command.option("--outcome", typed.outcome, case_file::outcome_words());
   command.option("--count", typed.count, "Castings that went alike");
   command.option("--at", typed.at, "Cast length at which it failed, as \"40 mm\"");
   command.option("--curl", typed.curl,
@@ -338,8 +340,10 @@ void add_line(CommandLine& line, Program& program) {
   edited.option("CASTING", options.castings, "Its number, or its job", required);
   add_typed_options(edited, options.typed);
   add("restart", "Begin afresh: the castings so far do not count any more", restart);
-  add("forget", "Remove a line, or single castings of it; its jobs and studies stay", forget)
-      .option("CASTING", options.castings, "Only these: their numbers, or their jobs");
+  const Command forgotten =
+      add("forget", "Remove castings of a line, or all of it; its jobs and studies stay", forget);
+  forgotten.option("CASTING", options.castings, "Their numbers, or their jobs");
+  forgotten.flag("--all", options.all, "The whole line");
 }
 
 }  // namespace dccast::client

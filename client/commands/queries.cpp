@@ -23,6 +23,7 @@ namespace {
 struct QueryOptions {
   std::string file;
   std::vector<std::string> set;
+  std::string line{};
   bool keep = false;
   bool json = false;
 };
@@ -58,9 +59,10 @@ std::optional<Answer> ask(Connection& connection, CaseUnderCheck& checked,
   return answer;
 }
 
-void print(Connection& connection, const Answer& answer) {
+void print(Connection& connection, const Answer& answer, const std::string& line) {
   std::cout << answer_text(answer);
-  if (!answer.history.steps.empty()) print_judgement(connection, compared_run(answer), std::cout);
+  if (!answer.history.steps.empty())
+    print_judgement(connection, compared_run(answer), std::cout, line);
   std::cout << std::flush;
 }
 
@@ -71,10 +73,15 @@ ExitCode run(const QueryOptions& options, Program& program) {
   auto answer = ask(connection, checked, options);
   if (!answer) return refuse(checked, options.json);
   answer->name = checked.read.source.file();
-  if (options.json)
-    print_line(answer_json(*answer));
-  else
-    print(connection, *answer);
+  if (options.json) {
+    Json json = answer_json(*answer);
+    if (!options.line.empty())
+      json["judgement"] = judgement_json(
+          judge_run(connection, compared_run(*answer), JudgedParts::of_steps, options.line));
+    print_line(json);
+  } else {
+    print(connection, *answer, options.line);
+  }
   std::cerr << origin_text(*answer) << '\n';
   return exit_code_of(answer->state);
 }
@@ -260,10 +267,11 @@ ExitCode run(const CompareOptions& options, Program& program) {
 
 }  // namespace
 
-void print_judgement(Connection& connection, const v1::ComparedRun& run, std::ostream& stream) try {
+void print_judgement(Connection& connection, const v1::ComparedRun& run, std::ostream& stream,
+                     const std::string& line) try {
   constexpr int columns = 100;  // of text that is read, tables may be wider
   const int descriptor = &stream == &std::cout ? STDOUT_FILENO : STDERR_FILENO;
-  const v1::Judgement judgement = judge_run(connection, run);
+  const v1::Judgement judgement = judge_run(connection, run, JudgedParts::of_steps, line);
   stream << parts_text(judgement, terminal_of(descriptor)) << '\n'
          << sentences_text(judgement, columns, 2);
 } catch (const Interrupted&) {
@@ -282,6 +290,8 @@ void add_query(CommandLine& line, Program& program) {
                             "Compute the curl of a case at once, without a job", query_examples);
   command.option("FILE", options.file, "Case file; - for standard input", required);
   add_set_option(command, options.set);
+  command.option("--line", options.line,
+                 "Also what the castings of this line say of its recipe (dccast line add)");
   command.flag("--keep", options.keep, "Keep the run as a job, with its results");
   command.json(options.json, "As JSON, in metres and seconds, with the history");
 }

@@ -10,16 +10,17 @@ namespace dccast::client {
 namespace {
 
 struct RemedyOptions : StudyOptions {
-  std::string job, point;
+  std::string job, point, line;
 };
 
 ExitCode run(const RemedyOptions& options, Program& program) {
   require_free(options.plot, options.force);
   Connection connection = program.connect();
   const std::string job = resolve_job(connection, options.job);
-  const std::string come_back = "dccast remedy " + job;
+  const std::string come_back =
+      "dccast remedy " + job + (options.line.empty() ? "" : " --line " + options.line);
 
-  const v1::Study study = remedy_of(connection, job);
+  const v1::Study study = remedy_of(connection, job, options.line);
   std::cerr << "study " << study.id() << ", " << study.runs() << " runs; taken up again by "
             << come_back << '\n';
   if (options.no_wait) {
@@ -47,6 +48,8 @@ void add_remedy(CommandLine& line, Program& program) {
       "is named where its effect is larger than its error (docs/findings.md).");
   command.option("JOB", options.job, job_help, required);
   command.option("--point", options.point, "Monitor; absent: output.curl, or the largest curl");
+  command.option("--line", options.line,
+                 "Drafts of a casting that this line leaves possible (dccast line add)");
   command.flag("--no-wait", options.no_wait, "Do not wait for the drafts to end");
   command.option("--plot", options.plot, "Write an HTML page; - for standard output");
   add_force_flag(command, options.force);

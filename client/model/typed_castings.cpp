@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "client/model/csv_line.hpp"
+#include "proto/case_file/plant_words.hpp"
 #include "proto/case_file/quantity.hpp"
 #include "proto/values/times.hpp"
 
@@ -18,13 +19,6 @@ namespace dccast::client {
 namespace {
 
 using Casting = v1::LineCasting;
-
-const std::vector<std::pair<std::string, Casting::Outcome>> outcomes{
-    {"sound", Casting::SOUND},
-    {"bled-out", Casting::BLED_OUT},
-    {"cracked", Casting::CRACKED},
-    {"hung-up", Casting::HUNG_UP},
-    {"aborted", Casting::ABORTED}};
 
 std::string fault(const std::string& name, const std::string& value, const std::string& permitted) {
   return fmt::format("{} = {} cannot be read; permitted: {}", name, value, permitted);
@@ -56,24 +50,92 @@ std::optional<std::int64_t> count_of(const std::string& text) {
   return count;
 }
 
-}  // namespace
+/// A table of castings while it is read.
+class CastingTable {
+public:
+  CastingTable(const std::string& name, std::int64_t now) : name_(name), now_(now) {}
 
-std::string outcome_text(Casting::Outcome outcome) {
-  const auto found =
-      std::ranges::find(outcomes, outcome, &std::pair<std::string, Casting::Outcome>::second);
-  return found == outcomes.end() ? "" : found->first;
-}
+  TypedCastings read(std::istream& stream) {
+    for (std::string line; std::getline(stream, line);) {
+      ++number_;
+      if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
+      if (!columns_.empty()) {
+        read_row(line);
+        continue;
+      }
+      read_header(line);
+      if (!read_.faults.empty()) return read_;
+    }
+    if (read_.castings.empty() && read_.faults.empty()) add_fault("has no casting");
+    return read_;
+  }
+
+private:
+  using Words = std::string TypedWords::*;  ///< null: the recipe
+  using Column = std::pair<std::string, Words>;
+
+  void add_fault(const std::string& text) {
+    read_.faults.push_back(fmt::format("{}:{}: {}", name_, number_, text));
+  }
+
+  void read_header(const std::string& line) {
+    static const std::vector<Column> known{
+        {"recipe", nullptr},           {"outcome", &TypedWords::outcome},
+        {"count", &TypedWords::count}, {"at", &TypedWords::at},
+        {"curl", &TypedWords::curl},   {"sawn off", &TypedWords::sawn_off},
+        {"date", &TypedWords::date}};
+    separator_ = separator_of(line);
+    for (const std::string& cell : cells_of(line, separator_)) {
+      const auto found = std::ranges::find(known, lowered(cell), &Column::first);
+      if (found != known.end())
+        columns_.push_back(found->second);
+      else
+        add_fault(fmt::format("column \"{}\" is not known; permitted: {}", cell,
+                              fmt::join(known | std::views::keys, ", ")));
+    }
+    if (!std::ranges::count(columns_, Words(nullptr)))
+      add_fault("no column is named recipe; it has jobs or case files");
+  }
+
+  void read_row(const std::string& line) {
+    const auto cells = cells_of(line, separator_, columns_.size());
+    if (cells.size() > columns_.size()) {
+      add_fault(
+          fmt::format("{} cells; permitted: {}, as the header has", cells.size(), columns_.size()));
+      return;
+    }
+    TypedWords words;
+    std::string recipe;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      (columns_[i] == nullptr ? recipe : words.*columns_[i]) = cells[i];
+    if (recipe.empty()) add_fault("recipe is empty; permitted: a job or a case file");
+
+    auto& casting = read_.castings.emplace_back();
+    casting.mutable_record()->set_count(1);
+    for (const std::string& text : read_typed(words, now_, *casting.mutable_record()))
+      add_fault(text);
+    const auto there = std::ranges::find(read_.recipes, recipe);
+    casting.set_recipe(static_cast<int>(there - read_.recipes.begin()));
+    if (there == read_.recipes.end()) read_.recipes.push_back(recipe);
+    read_.lines.push_back(number_);
+  }
+
+  const std::string& name_;
+  const std::int64_t now_;
+  int number_ = 0;  ///< of the line
+  char separator_ = ',';
+  std::vector<Words> columns_;
+  TypedCastings read_;
+};
+
+}  // namespace
 
 std::vector<std::string> read_typed(const TypedWords& words, std::int64_t now, Casting& record) {
   std::vector<std::string> faults;
   if (!words.outcome.empty()) {
-    const auto found = std::ranges::find(outcomes, words.outcome,
-                                         &std::pair<std::string, Casting::Outcome>::first);
-    if (found == outcomes.end())
-      faults.push_back(fault("outcome", words.outcome,
-                             fmt::format("{}", fmt::join(outcomes | std::views::keys, ", "))));
-    else
-      record.set_outcome(found->second);
+    const auto outcome = case_file::outcome_of(words.outcome);
+    if (!outcome) faults.push_back(fault("outcome", words.outcome, case_file::outcome_words()));
+    record.set_outcome(outcome.value_or(record.outcome()));
   }
   if (!words.count.empty()) {
     const auto count = count_of(words.count);
@@ -105,61 +167,7 @@ std::vector<std::string> read_typed(const TypedWords& words, std::int64_t now, C
 }
 
 TypedCastings read_castings(std::istream& stream, const std::string& name, std::int64_t now) {
-  TypedCastings read;
-  std::vector<std::string TypedWords::*> columns;  // null: the recipe
-  const std::vector<std::pair<std::string, std::string TypedWords::*>> known{
-      {"recipe", nullptr},           {"outcome", &TypedWords::outcome},
-      {"count", &TypedWords::count}, {"at", &TypedWords::at},
-      {"curl", &TypedWords::curl},   {"sawn off", &TypedWords::sawn_off},
-      {"date", &TypedWords::date}};
-  char separator = ',';
-  const auto fault_at = [&](int line, const std::string& text) {
-    read.faults.push_back(fmt::format("{}:{}: {}", name, line, text));
-  };
-
-  int number = 0;
-  for (std::string line; std::getline(stream, line);) {
-    ++number;
-    if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
-    if (columns.empty()) {
-      separator = separator_of(line);
-      for (const std::string& cell : cells_of(line, separator)) {
-        const auto found = std::ranges::find(
-            known, lowered(cell), &std::pair<std::string, std::string TypedWords::*>::first);
-        if (found == known.end())
-          fault_at(number, fmt::format("column \"{}\" is not known; permitted: {}", cell,
-                                       fmt::join(known | std::views::keys, ", ")));
-        columns.push_back(found == known.end() ? &TypedWords::date : found->second);
-      }
-      if (!std::ranges::count(columns, nullptr))
-        fault_at(number, "no column is named recipe; it has jobs or case files");
-      if (!read.faults.empty()) return read;
-      continue;
-    }
-
-    const auto cells = cells_of(line, separator, columns.size());
-    if (cells.size() > columns.size()) {
-      fault_at(number, fmt::format("{} cells; permitted: {}, as the header has", cells.size(),
-                                   columns.size()));
-      continue;
-    }
-    TypedWords words;
-    std::string recipe;
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      (columns[i] == nullptr ? recipe : words.*columns[i]) = cells[i];
-    if (recipe.empty()) fault_at(number, "recipe is empty; permitted: a job or a case file");
-
-    auto& casting = read.castings.emplace_back();
-    casting.mutable_record()->set_count(1);
-    for (const std::string& text : read_typed(words, now, *casting.mutable_record()))
-      fault_at(number, text);
-    const auto there = std::ranges::find(read.recipes, recipe);
-    casting.set_recipe(static_cast<int>(there - read.recipes.begin()));
-    if (there == read.recipes.end()) read.recipes.push_back(recipe);
-    read.lines.push_back(number);
-  }
-  if (read.castings.empty() && read.faults.empty()) fault_at(number, "has no casting");
-  return read;
+  return CastingTable(name, now).read(stream);
 }
 
 }  // namespace dccast::client

@@ -25,9 +25,6 @@ struct TypedWords {
 std::vector<std::string> read_typed(const TypedWords& words, std::int64_t now,
                                     v1::LineCasting& record);
 
-/// "sound", "bled-out"; empty where nothing is known.
-std::string outcome_text(v1::LineCasting::Outcome outcome);
-
 /// Castings of a file.
 struct TypedCastings {
   std::vector<std::string> recipes;                          ///< jobs and case files, each once

@@ -223,6 +223,7 @@ void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
   add_band(choice, complete, plan);
   add_numbers(complete, choice, plan);
   plan.set_monitor(choice.point);
+  plan.set_line(choice.line);
   plan.set_greatest_speed_rate_m_per_s2(quantity_of("--speed-rate", choice.speed_rate, "m/s2"));
   plan.set_greatest_flow_rate_m2_per_s2(quantity_of("--water-rate", choice.water_rate, "m2/s2"));
   plan.set_drafts(choice.drafts);
@@ -233,10 +234,11 @@ void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
   request.set_find(true);
 }
 
-v1::Study remedy_of(Connection& connection, const std::string& job) {
+v1::Study remedy_of(Connection& connection, const std::string& job, const std::string& line) {
   v1::CreateStudyRequest request;
   request.set_find(true);
   request.mutable_remedy()->set_job(job);
+  request.mutable_remedy()->set_line(line);
   return connection.call(&Stub::CreateStudy, request);
 }
 

@@ -39,6 +39,7 @@ v1::SweepPlan::Axis axis_of(std::string_view text);
 struct RecipeChoice {
   std::string band;   ///< empty: plausibility.least_curl and greatest_curl of the case
   std::string point;  ///< empty: output.curl, or the largest
+  std::string line;   ///< whose castings condition the data; empty: none
   std::string speed = "20..120 mm/min", speed_rate = "60 mm/min2";
   /// Limits of the plant, as options give them.
   std::string water = "30..400 l/min/m", water_rate = "200 l/min2/m";
@@ -56,8 +57,9 @@ void lay_out_recipe(Connection& connection, const RecipeChoice& choice,
                     v1::CreateStudyRequest& request);
 
 /// The study of what helps against the findings of a job, created or found: a user has one for each
-/// job. @throws CommandFailed  it has not ended, or no lever influences its findings
-v1::Study remedy_of(Connection& connection, const std::string& job);
+/// job. @param line  whose castings condition the data of its drafts; empty: none
+/// @throws CommandFailed  it has not ended, or no lever influences its findings
+v1::Study remedy_of(Connection& connection, const std::string& job, const std::string& line = {});
 
 /// Goes on with a study that was cancelled or lost runs to their machine. @return as it is then
 v1::Study taken_up(Connection& connection, const v1::Study& study);

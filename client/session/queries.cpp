@@ -138,9 +138,11 @@ v1::ComparedRun run_of_job(const std::string& job) {
   return run;
 }
 
-v1::Judgement judge_run(Connection& connection, const v1::ComparedRun& run, JudgedParts parts) {
+v1::Judgement judge_run(Connection& connection, const v1::ComparedRun& run, JudgedParts parts,
+                        const std::string& line) {
   v1::CompareRunsRequest request;
   request.set_with_frame(parts == JudgedParts::with_frame);
+  request.set_line(line);
   *request.add_runs() = run;
   return connection.call(&Stub::CompareRuns, request).judgement();
 }

@@ -36,8 +36,9 @@ enum class JudgedParts {
 };
 
 /// What the server concludes from one run that has a step. Throws CommandFailed.
+/// @param line  also what its castings say of the recipe; empty: none
 v1::Judgement judge_run(Connection& connection, const v1::ComparedRun& run,
-                        JudgedParts parts = JudgedParts::of_steps);
+                        JudgedParts parts = JudgedParts::of_steps, const std::string& line = {});
 
 /// Queries several cases, a few at a time: the daemon runs as many as it has cores, and the others
 /// wait there. Throws CommandFailed, Interrupted; the runs end with their calls.

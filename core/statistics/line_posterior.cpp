@@ -13,19 +13,18 @@ namespace dccast::statistics {
 namespace {
 
 constexpr int plants_drawn = 600;
-constexpr int castings_of_draw = 8;      // curls drawn of each plant
+constexpr int castings_of_draw = 8;      // drawn of each plant
 constexpr double wrong_castings = 0.01;  // of a record of one casting [A]
 constexpr double wrong_dangers = 0.001;  // of one with a danger: few type one that did not come [A]
 constexpr double least_probability = 1e-300;
-
-double variance(const Eigen::VectorXd& values) {
-  return (values.array() - values.mean()).square().mean();
-}
 
 /// One surface, with the spread of single castings around the plant's figure.
 struct PlantSurface {
   const LineSurface* surface;
   Eigen::Index error_input;  ///< input of the error that stays
+  /// The mean of a plant's castings is this line over the surface at the plant's part of the data,
+  /// which bends between them.
+  double intercept, slope;
   double casting_deviation;  ///< of a casting from the plant's figure
 };
 
@@ -36,9 +35,9 @@ public:
       : model_(model), kept_(std::sqrt(1.0 - model.scatter)) {
     std::mt19937_64 random(seed);
     inputs_ = model.inputs + static_cast<int>(model.dangers.size()) + (model.curl ? 1 : 0);
-    prior_ = Eigen::MatrixXd::NullaryExpr(plants_drawn, inputs_, [&] { return normal(random); });
-    for (const LineSurface& danger : model.dangers) dangers_.push_back(surface_of(danger));
-    if (model.curl) curl_ = surface_of(*model.curl);
+    prior_ = normal_matrix(plants_drawn, inputs_, random);
+    for (const LineSurface& danger : model.dangers) dangers_.push_back(surface_of(danger, random));
+    if (model.curl) curl_ = surface_of(*model.curl, random);
   }
 
   int inputs() const { return inputs_; }
@@ -59,24 +58,51 @@ public:
     return curl_ ? figure(*curl_, places) : Eigen::VectorXd();
   }
 
-private:
-  Eigen::VectorXd mean_at(const LineSurface& surface, const Eigen::MatrixXd& places,
-                          double scale) const {
-    return surface.mean((scale * places.leftCols(model_.inputs)).unaryExpr(&normal_below));
+  /// (place, input) data of a casting of each plant, 0 to 1.
+  Eigen::MatrixXd cast(const Eigen::MatrixXd& places, std::uint64_t seed) const {
+    std::mt19937_64 random(seed);
+    const Eigen::MatrixXd data = places.leftCols(model_.inputs);
+    return (kept_ * data +
+            std::sqrt(model_.scatter) * normal_matrix(data.rows(), data.cols(), random))
+        .unaryExpr(&normal_below);
   }
 
-  PlantSurface surface_of(const LineSurface& surface) {
-    // Of a function that is linear in normal data this is the scatter's share of its variance.
-    const double drawn_anew =
-        variance(mean_at(surface, prior_, 1.0)) - variance(mean_at(surface, prior_, kept_));
+private:
+  /// (place) the surface at the plant's part of the data.
+  Eigen::VectorXd at_plant(const LineSurface& surface, const Eigen::MatrixXd& places) const {
+    return surface.mean((kept_ * places.leftCols(model_.inputs)).unaryExpr(&normal_below));
+  }
+
+  /// Compares plants with castings that are drawn of each.
+  PlantSurface surface_of(const LineSurface& surface, std::mt19937_64& random) {
+    const Eigen::MatrixXd data = prior_.leftCols(model_.inputs);
+    Eigen::MatrixXd castings(plants_drawn, castings_of_draw);
+    for (auto casting : castings.colwise())
+      casting = surface.mean((kept_ * data + std::sqrt(model_.scatter) *
+                                                 normal_matrix(data.rows(), data.cols(), random))
+                                 .unaryExpr(&normal_below));
+    const Eigen::VectorXd means = castings.rowwise().mean();
+    const double drawn_anew = (castings.colwise() - means).squaredNorm() /
+                              static_cast<double>(castings.size() - means.size());
+
+    const Eigen::VectorXd plants = at_plant(surface, prior_);
+    const Eigen::VectorXd off = plants.array() - plants.mean();
+    // A surface that is the same everywhere has no slope but rounding.
+    const bool is_flat = off.squaredNorm() <= 1e-20 * (1.0 + plants.squaredNorm());
+    const double slope = is_flat ? 1.0 : off.dot(means) / off.squaredNorm();
     const double error = surface.error * surface.error;
-    return {&surface, next_error_++,
-            std::sqrt(std::max(drawn_anew, 0.0) + model_.scatter * error + 1e-12)};
+    return {.surface = &surface,
+            .error_input = next_error_++,
+            .intercept = means.mean() - slope * plants.mean(),
+            .slope = slope,
+            .casting_deviation = std::sqrt(drawn_anew + model_.scatter * error + 1e-12)};
   }
 
   Eigen::VectorXd figure(const PlantSurface& plant, const Eigen::MatrixXd& places) const {
-    return mean_at(*plant.surface, places, kept_) +
-           kept_ * plant.surface->error * places.col(model_.inputs + plant.error_input);
+    return plant.intercept +
+           (plant.slope * at_plant(*plant.surface, places) +
+            kept_ * plant.surface->error * places.col(model_.inputs + plant.error_input))
+               .array();
   }
 
   const LineModel& model_;
@@ -229,6 +255,7 @@ LinePosterior next_casting(const LineModel& model, const std::vector<LineRecord>
   next.danger = shares.mean();
   next.danger_low = quantile(shares, 0.05);
   next.danger_high = quantile(shares, 0.95);
+  next.castings = plants.cast(drawn.places, seed + 3);
   if (!model.curl) return next;
 
   const Eigen::VectorXd of_plants = plants.curl(drawn.places);

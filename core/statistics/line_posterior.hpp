@@ -47,6 +47,7 @@ struct LinePosterior {
   /// (input) share of the variance of the curl that would go if the plant's part of a datum were
   /// known, where the curl is linear in it [1]
   Eigen::VectorXd told;
+  Eigen::MatrixXd castings;      ///< (draw, input) data of a casting of each plant, 0 to 1
   Eigen::VectorXd wrong;         ///< (record) probability that it says nothing of this plant [1]
   double effective_draws = 0.0;  ///< [1] on which the figures rest
 };

@@ -24,11 +24,6 @@ constexpr double least_likely = -1e300;     // logarithm, instead of infinity an
 
 using Random = std::mt19937_64;
 
-/// Matrix (rows, columns) of standard normal numbers.
-Eigen::MatrixXd normal_matrix(Eigen::Index rows, Eigen::Index columns, Random& random) {
-  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); });
-}
-
 /// Draws, and the logarithm of the likelihood of each.
 struct Population {
   Eigen::MatrixXd places;      ///< (draw, input)

@@ -131,10 +131,8 @@ bool dominates(const DesignScore& a, const DesignScore& b) {
   return a.distance < b.distance || a.risk < b.risk || a.cost < b.cost;
 }
 
-std::vector<ScoredDesign> pareto_front(const DesignProblem& problem, int samples,
+std::vector<ScoredDesign> pareto_front(const DesignProblem& problem, const Eigen::MatrixXd& data,
                                        std::uint64_t seed) {
-  // All designs meet the same data, so that their scores differ by the design alone.
-  const Eigen::MatrixXd data = hypercube(samples, problem.data_inputs, seed);
   std::vector<ScoredDesign> designs;
   const auto add = [&](const Eigen::RowVectorXd& design) {
     Eigen::RowVectorXd permitted = problem.permitted(design.cwiseMax(0.0).cwiseMin(1.0));

@@ -43,10 +43,10 @@ struct Outcomes {
   double error = 0.0;      ///< standard deviation of the error of a value
 };
 
-/// A design problem. Designs and data are scaled to 0 to 1; data are uniform and independent.
+/// A design problem. Designs and data are scaled to 0 to 1.
 struct DesignProblem {
-  int design_inputs = 0, data_inputs = 0;  ///< numbers of inputs
-  double least = 0.0, greatest = 0.0;      ///< limits of the band
+  int design_inputs = 0;               ///< number of inputs
+  double least = 0.0, greatest = 0.0;  ///< limits of the band
   /// Estimates outcomes. @param  (place, design inputs and then data)
   std::function<Outcomes(const Eigen::MatrixXd&)> outcomes;
   std::function<double(const Eigen::RowVectorXd&)> cost;  ///< of a design; to be small
@@ -81,8 +81,9 @@ bool dominates(const DesignScore& a, const DesignScore& b);
 /// The designs that no other design found dominates, least risk first. The search starts from a
 /// Latin hypercube and continues with neighbours of the best designs at shrinking distance. It
 /// gives the same result on every machine that computes the same outcomes.
-/// @param samples  number of data samples, the same for every design
-std::vector<ScoredDesign> pareto_front(const DesignProblem& problem, int samples,
+/// @param data  (sample, data input) the same for every design, so that their scores differ by the
+///              design alone
+std::vector<ScoredDesign> pareto_front(const DesignProblem& problem, const Eigen::MatrixXd& data,
                                        std::uint64_t seed);
 
 /// At most `count` designs of a front, least risk first: the one of least risk, then repeatedly the

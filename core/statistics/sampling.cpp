@@ -57,6 +57,10 @@ double normal(std::mt19937_64& random) {
   return radius * std::cos(2.0 * std::numbers::pi * uniform(random));
 }
 
+Eigen::MatrixXd normal_matrix(Eigen::Index rows, Eigen::Index columns, std::mt19937_64& random) {
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(random); });
+}
+
 double normal_below(double x) {
   return 0.5 * std::erfc(-x / std::numbers::sqrt2);
 }

@@ -12,6 +12,9 @@ namespace dccast::statistics {
 double uniform(std::mt19937_64& random);  ///< in (0, 1), never 0 or 1
 double normal(std::mt19937_64& random);   ///< mean 0, variance 1 (Box and Muller 1958)
 
+/// (rows, columns) such numbers.
+Eigen::MatrixXd normal_matrix(Eigen::Index rows, Eigen::Index columns, std::mt19937_64& random);
+
 /// Probability that a standard normal number is smaller than `x`.
 double normal_below(double x);
 /// The standard normal number below which a share of them lies. @param share  within 0 to 1

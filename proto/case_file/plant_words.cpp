@@ -162,6 +162,28 @@ std::string water_text(const v1::Case& c, const CastingSchedule& schedule,
 
 }  // namespace
 
+std::string outcome_word(v1::LineCasting::Outcome outcome) {
+  if (outcome == v1::LineCasting::UNKNOWN) return "";
+  std::string word = v1::LineCasting::Outcome_Name(outcome);
+  for (char& c : word) c = c == '_' ? '-' : static_cast<char>(c - 'A' + 'a');
+  return word;
+}
+
+std::optional<v1::LineCasting::Outcome> outcome_of(const std::string& word) {
+  for (int i = v1::LineCasting::SOUND; v1::LineCasting::Outcome_IsValid(i); ++i)
+    if (const auto outcome = static_cast<v1::LineCasting::Outcome>(i);
+        outcome_word(outcome) == word)
+      return outcome;
+  return std::nullopt;
+}
+
+std::string outcome_words(v1::LineCasting::Outcome first) {
+  std::string words;
+  for (int i = first; v1::LineCasting::Outcome_IsValid(i); ++i)
+    words += (words.empty() ? "" : ", ") + outcome_word(static_cast<v1::LineCasting::Outcome>(i));
+  return words;
+}
+
 std::string plant_number(double value) {
   if (!std::isfinite(value)) return "-";
   if (std::abs(value) >= 1e4 && std::abs(value) < 1e15) return with_digits(std::round(value), 15);

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "dccast/v1/judgement.pb.h"
+#include "dccast/v1/line.pb.h"
 
 /// Figures of a case as a plant reads them.
 namespace dccast::case_file {
@@ -26,6 +28,13 @@ std::string flow_per_metre_hint(const v1::Section& section, const std::string& f
 /// A table in words: "40 mm/min to 60 s, then to 60 mm/min at 200 s".
 /// @param factor  [`unit` per stored unit]
 std::string curve_in_words(const v1::Curve& curve, double factor, const std::string& unit);
+
+/// How a casting went: "bled-out"; empty: it is not known.
+std::string outcome_word(v1::LineCasting::Outcome outcome);
+/// Empty: no outcome is named so.
+std::optional<v1::LineCasting::Outcome> outcome_of(const std::string& word);
+/// "sound, bled-out, cracked, hung-up, aborted", or those of them from `first` on.
+std::string outcome_words(v1::LineCasting::Outcome first = v1::LineCasting::SOUND);
 
 /// A case as readable TOML: speeds in mm/min, water in l/min/m, numbers rounded to nine digits.
 std::string readable_toml(const v1::Case& input);

@@ -166,6 +166,12 @@ void add_recipe_sentences(const v1::StudyResult& result, v1::Judgement& judgemen
   }
 
   judgement.add_sentences(chosen_text(plan, found));
+  if (plan.has_experience()) {
+    judgement.add_sentences(
+        "These castings, those that were computed included, have data that what was cast leaves "
+        "possible.");
+    add_conditions(plan.experience(), judgement);
+  }
   if (found.chosen() >= 0)
     judgement.add_sentences(fmt::format("It is {}.", changes_text(found.front(found.chosen()))));
   if (found.has_itself())

@@ -398,7 +398,14 @@ void judge_remedy(const StudyToJudge& study, v1::Judgement& judgement) {
     return;
   }
 
-  for (const v1::Finding& finding : study.result.study().remedy().findings()) {
+  const v1::RemedyPlan& plan = study.result.study().remedy();
+  if (plan.has_experience()) {
+    judgement.add_sentences(
+        "All drafts have the data of the casting in the middle of those that what was cast leaves "
+        "possible.");
+    add_conditions(plan.experience(), judgement);
+  }
+  for (const v1::Finding& finding : plan.findings()) {
     const Answer answer = remedy.answer(finding);
     add_sentences(answer, judgement);
     add_table_of(answer, judgement);

@@ -35,6 +35,11 @@ void add_lost_runs(const v1::StudyResult& result, v1::JudgementPart::Place place
 /// Every run with its values, its curls at the end and its outcome.
 void add_runs(const v1::StudyResult& result, v1::Judgement& judgement);
 
+/// What an answer is conditioned on: the castings of a line.
+void add_conditions(const v1::LineExperience& experience, v1::Judgement& judgement);
+/// The next casting before and after these.
+void add_experience(const v1::LineExperience& experience, v1::Judgement& judgement);
+
 void judge_refinement(const v1::StudyResult& result, v1::Judgement& judgement);
 void judge_sweep(const v1::StudyResult& result, v1::Judgement& judgement);
 void judge_uncertainty(const StudyToJudge& study, v1::Judgement& judgement);

@@ -2,6 +2,7 @@
 // whose answers are kept.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,7 +10,9 @@
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/judging/judged_comparison.hpp"
 #include "server/judging/run_judgement.hpp"
+#include "server/judging/study_parts.hpp"
 #include "server/service/forecasts.hpp"
+#include "server/service/line_answers.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
@@ -125,16 +128,30 @@ v1::StudyResult refinement_of(Context& context, const Call& call, const std::str
   return context.studies.evaluation().evaluate(request).value_or(v1::StudyResult{});
 }
 
-v1::Judgement judge_alone(Context& context, const Call& call, FoundRun run, bool with_frame) {
+v1::Judgement judge_alone(Context& context, const Call& call, FoundRun run,
+                          const v1::CompareRunsRequest& request) {
   judging::RunToJudge judged{std::move(run.judged)};
-  if (with_frame && !run.summary.job().empty()) {
+  if (request.with_frame() && !run.summary.job().empty()) {
     const auto stored = read_frame(context, call, find_job(context, run.summary.job()), {});
     if (stored.has_frame()) judged.last_frame = stored.frame();
   }
   if (run.summary.has_validity_loss()) judged.valid_until_s = run.summary.validity_loss().time_s();
   judged.refinement = refinement_of(context, call, run.study);
   if (!run.summary.job().empty()) judged.followed = followed_casting(context, run.summary.job());
-  return judging::judge_run(judged);
+  v1::Judgement judgement = judging::judge_run(judged);
+  if (request.line().empty()) return judgement;
+
+  const v1::Case& complete = judged.run.description;
+  try {
+    const v1::StudyResult drafts = drafts_over_data(context, call, complete);
+    const int monitor = std::max(0, judging::monitor_of(drafts, ""));
+    judging::add_experience(
+        ask_line(context, call, drafts, monitor, request.line(), false).experience, judgement);
+  } catch (const studies::CannotPredict& reason) {
+    judgement.add_sentences(
+        fmt::format("Nothing is said of line {}: {}.", request.line(), reason.what()));
+  }
+  return judgement;
 }
 
 v1::Judgement judge_together(Context& context, const Call& call, std::vector<FoundRun> found,
@@ -165,6 +182,9 @@ void compare(Context& context, const Call& call, const v1::CompareRunsRequest& r
     refuse("a comparison takes 1 to {} runs and at most as many companions; there are {} and {}",
            most_runs, request.runs_size(), request.companions_size());
 
+  if (request.runs_size() > 1 && !request.line().empty())
+    refuse("a line tells of a run alone, and there are {}", request.runs_size());
+
   if (request.runs_size() == 1 && !request.companions().empty())
     refuse("companions give the errors of differences, and a run alone has none");
 
@@ -175,7 +195,7 @@ void compare(Context& context, const Call& call, const v1::CompareRunsRequest& r
   }
 
   *comparison.mutable_judgement() =
-      runs.size() == 1 ? judge_alone(context, call, std::move(runs.front()), request.with_frame())
+      runs.size() == 1 ? judge_alone(context, call, std::move(runs.front()), request)
                        : judge_together(context, call, std::move(runs), request);
   if (const std::size_t size = comparison.ByteSizeLong(); size > answer_bytes)
     refuse(ErrorInfo::ANSWER_TOO_LARGE, Remedy{"compare fewer runs"},

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "proto/case_file/plant_words.hpp"
 #include "proto/values/digests.hpp"
 #include "server/jobs/folder/job_description.hpp"
 #include "server/service/call.hpp"
@@ -40,11 +41,11 @@ void check_record(const std::string& prefix, const v1::LineCasting& typed, Fault
   if (!v1::LineCasting::Outcome_IsValid(typed.outcome()))
     *faults.Add() =
         intake::fault_of(prefix + "outcome", std::to_string(typed.outcome()), "is no outcome",
-                         "sound, bled-out, cracked, hung-up, aborted", "name one of them");
+                         case_file::outcome_words(), "name one of them");
   if (typed.outcome() == v1::LineCasting::UNKNOWN && typed.cold_curl_m().empty())
     *faults.Add() = intake::fault_of(
         prefix + "outcome", "none", "says neither how the casting went nor its curl",
-        "sound, bled-out, cracked, hung-up, aborted, or a curl", "give --outcome, or --curl");
+        case_file::outcome_words() + ", or a curl", "give --outcome, or --curl");
   if (typed.count() < 1 || typed.count() > most_count)
     *faults.Add() = intake::fault_of(prefix + "count", std::to_string(typed.count()),
                                      "is no number of castings", "1 to 1000000",
@@ -56,10 +57,11 @@ void check_record(const std::string& prefix, const v1::LineCasting& typed, Fault
 
   const bool has_failed = typed.outcome() > v1::LineCasting::SOUND;
   if (typed.has_at_m() && !has_failed)
-    *faults.Add() = intake::fault_of(prefix + "at", fmt::format("{:g} m", typed.at_m()),
-                                     "is where a casting fails, and this one did not",
-                                     "only with bled-out, cracked, hung-up, aborted",
-                                     "leave it out, or give the outcome");
+    *faults.Add() =
+        intake::fault_of(prefix + "at", fmt::format("{:g} m", typed.at_m()),
+                         "is where a casting fails, and this one did not",
+                         "only with " + case_file::outcome_words(v1::LineCasting::BLED_OUT),
+                         "leave it out, or give the outcome");
   if (typed.has_at_m()) check_length(prefix + "at", typed.at_m(), 0.0, longest_casting, faults);
   if (typed.has_sawn_off_m())
     check_length(prefix + "sawn_off", typed.sawn_off_m(), 0.0, most_sawn_off, faults);
@@ -95,20 +97,12 @@ v1::LineCasting record_of_recipe(Context& context, const Call& call, const std::
   return record;
 }
 
-/// The record of one typed casting. @param of_recipe  title and recipe
-v1::LineCasting typed_record(const v1::LineCasting& typed, v1::LineCasting of_recipe,
+/// The record of one typed casting. @param record  with its recipe
+v1::LineCasting typed_record(const v1::LineCasting& typed, v1::LineCasting record,
                              const std::string& user) {
-  v1::LineCasting record = typed;
-  record.clear_id();
-  record.clear_job();
-  record.clear_following();
-  record.clear_curls();
-  record.set_title(of_recipe.title());
-  record.set_recipe(of_recipe.recipe());
-  record.set_recipe_end_s(of_recipe.recipe_end_s());
+  *record.mutable_begin_time() = jobs::now();
+  studies::set_typed(typed, user, record);
   record.set_ended(true);
-  record.set_typed_by(user);
-  if (!record.has_begin_time()) *record.mutable_begin_time() = jobs::now();
   return record;
 }
 

@@ -259,7 +259,7 @@ grpc::Status guarded(const std::function<void()>& handler) {
   } catch (const studies::DamagedLine& damaged) {
     return make_status({.reason = ErrorInfo::DAMAGED,
                         .cause = damaged.what(),
-                        .remedy = "an admin can remove the line: `dccast line forget`"});
+                        .remedy = "an admin can remove the line: `dccast line forget NAME --all`"});
   } catch (const std::system_error& error) {
     return refuse_for_file(error);
   } catch (const std::bad_alloc&) {

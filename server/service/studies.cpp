@@ -17,14 +17,13 @@
 #include "server/jobs/folder/job_description.hpp"
 #include "server/jobs/folder/job_folder.hpp"
 #include "server/judging/judged_study.hpp"
-#include "server/service/forecasts.hpp"
+#include "server/service/line_answers.hpp"
 #include "server/service/message_stream.hpp"
 #include "server/service/refusals.hpp"
 #include "server/service/run_history.hpp"
 #include "server/service/simulation_service.hpp"
 #include "server/service/submissions.hpp"
 #include "server/studies/data_axes.hpp"
-#include "server/studies/line_experience.hpp"
 
 namespace dccast::service {
 
@@ -247,22 +246,10 @@ void add_experience(Context& context, const Call& call, const v1::JudgeStudyRequ
            "the castings of a line condition an uncertainty alone, and study {} is none",
            request.id());
 
-  v1::Line line;
-  if (!request.line().empty()) {
-    check_line_name(request.line());
-    const auto& reading = access::rule_of(*v1::GetLineRequest::descriptor());
-    const auto status = context.gate.permit_touch(call.caller, reading, request.line());
-    if (!status.ok()) throw Refusal{status};
-    line = learned_line(context, request.line());
-  }
-
-  v1::CreateStudyRequest known;
-  known.mutable_sweep()->set_further_of(request.id());
-  const auto attachments = of_study(request.id(), context.studies.requests().complete(known));
-  const v1::Case base = context.intake.complete_case(known.case_(), attachments).complete;
   try {
     *study.result.mutable_experience() =
-        studies::experience_of(study.result, {base, study.monitor, line, request.assume_sound()});
+        ask_line(context, call, study.result, study.monitor, request.line(), request.assume_sound())
+            .experience;
   } catch (const studies::CannotPredict& reason) {
     study.result.set_experience_fault(reason.what());
   }
@@ -348,8 +335,10 @@ private:
 }  // namespace
 
 jobs::Attachments examine(Context& context, const Call& call, v1::CreateStudyRequest& request) {
+  const auto line = ask_line_of_plan(context, call, request);
   if (request.find()) request.set_request_id(id_of_plan(context, call, request));
   jobs::Attachments attachments = complete(context, call, request);
+  if (line) take_line(*line, request);
   check_may_queue(context, call);
   check_runs(context, call, request, attachments);
   return attachments;

@@ -13,6 +13,7 @@
 #include "core/statistics/line_posterior.hpp"
 #include "core/statistics/robust_search.hpp"
 #include "core/statistics/sampling.hpp"
+#include "proto/case_file/override.hpp"
 #include "server/studies/lines.hpp"
 #include "server/studies/recipe_search.hpp"
 #include "server/studies/study_plan.hpp"
@@ -28,7 +29,8 @@ constexpr double fewest_draws = 30.0;       // without which there is no answer
 constexpr double hand_noise_m = 3e-3;       // [A] of a curl that was measured by hand
 constexpr double assumed_castings = 200.0;  // of a recipe that is cast daily [A]
 constexpr double same_end_s = 1.0;
-constexpr double is_wrong = 0.5;  // probability from which a record is named
+constexpr Eigen::Index most_members = 256;  // that a plan keeps
+constexpr double is_wrong = 0.5;            // probability from which a record is named
 constexpr std::uint64_t experience_seed = 61;
 
 /// Place of a run on the axes, 0 to 1.
@@ -193,9 +195,11 @@ v1::LineExperience::State state_of(const statistics::LinePosterior& next, bool h
 
 }  // namespace
 
-v1::LineExperience experience_of(const v1::StudyResult& result,
-                                 const ExperienceQuestion& question) {
-  v1::LineExperience experience;
+LineAnswer ask_line(const v1::StudyResult& result, const ExperienceQuestion& question) {
+  LineAnswer answer;
+  v1::LineExperience& experience = answer.experience;
+  experience.set_study(result.study().id());
+  experience.set_end_s(question.base.time().end_s());
   experience.set_line(question.line.name());
   experience.set_assumed_sound(question.assume_sound);
   const Surfaces surfaces(result, question);
@@ -216,11 +220,47 @@ v1::LineExperience experience_of(const v1::StudyResult& result,
   for (std::size_t i = 0; i < castings.ids.size(); ++i)
     if (after.wrong(static_cast<Eigen::Index>(i)) > is_wrong)
       experience.add_unexplained(castings.ids[i]);
-  if (after.effective_draws < fewest_draws) return experience;
+  if (after.effective_draws < fewest_draws) return answer;
 
   *experience.mutable_after() = state_of(after, surfaces.has_curl());
   experience.mutable_told()->Assign(after.told.begin(), after.told.end());
-  return experience;
+  answer.castings = after.castings;
+  return answer;
+}
+
+void take_members(const LineAnswer& answer, const v1::SweepPlan& sweep, v1::RecipePlan& plan) {
+  std::vector<Eigen::Index> axes;
+  for (const v1::RecipePlan::Datum& datum : plan.data()) {
+    const auto axis = std::ranges::find(sweep.axes(), datum.key(), &v1::SweepPlan::Axis::key);
+    if (axis == sweep.axes().end() || axis->values(0) != datum.low() ||
+        axis->values(1) != datum.high())
+      throw CannotPredict(
+          fmt::format("study {} has no range {}..{} of {}; dccast uncertainty CASE computes the "
+                      "ranges of today",
+                      answer.experience.study(), datum.low(), datum.high(), datum.key()));
+    axes.push_back(axis - sweep.axes().begin());
+  }
+  for (Eigen::Index i = 0; i < std::min(answer.castings.rows(), most_members); ++i)
+    for (const Eigen::Index axis : axes)
+      plan.add_members(static_cast<float>(answer.castings(i, axis)));
+}
+
+std::vector<v1::CaseChange> middle_casting(const LineAnswer& answer, const v1::SweepPlan& sweep,
+                                           const v1::Case& base) {
+  Eigen::Index middle = 0;
+  (answer.castings.rowwise() - answer.castings.colwise().mean())
+      .rowwise()
+      .squaredNorm()
+      .minCoeff(&middle);
+
+  std::vector<v1::CaseChange> changes;
+  for (int i = 0; i < sweep.axes_size(); ++i) {
+    const auto& axis = sweep.axes(i);
+    changes.push_back(case_file::change_of(
+        axis.key(), value_between(base, axis.key(), axis.values(0), axis.values(1),
+                                  answer.castings(middle, i))));
+  }
+  return changes;
 }
 
 }  // namespace dccast::studies

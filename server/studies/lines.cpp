@@ -17,31 +17,6 @@
 
 namespace dccast::studies {
 
-namespace {
-
-constexpr std::uint64_t largest_change = 1 << 26;  // [bytes]
-constexpr std::int64_t largest_file = 1 << 25;     // [bytes] a longer one is written anew
-
-std::string header() {
-  return jobs::file_header(line_file_kind);
-}
-
-std::string framed(const LineChange& change) {
-  return storage::short_records.framed(change.SerializeAsString());
-}
-
-std::filesystem::path file_of(const std::filesystem::path& directory, const std::string& name) {
-  return directory / (name + ".bin");
-}
-
-LineChange with_casting(const v1::LineCasting& casting) {
-  LineChange change;
-  *change.add_castings() = casting;
-  return change;
-}
-
-}  // namespace
-
 /// A line as its file tells.
 class StoredLine {
 public:
@@ -50,6 +25,8 @@ public:
     std::string request;
     std::vector<std::string> castings;
   };
+
+  static std::string header() { return jobs::file_header(line_file_kind); }
 
   /// @param bytes  of the file @throws DamagedLine  without a name of the file
   explicit StoredLine(std::string_view bytes) {
@@ -110,6 +87,8 @@ public:
   }
 
 private:
+  static constexpr std::uint64_t largest_change = 1 << 26;  // [bytes]
+
   void apply(const LineChange& change) {
     if (change.has_beginning()) line_ = change.beginning();
     if (change.has_restart_time()) {
@@ -145,6 +124,22 @@ private:
 };
 
 namespace {
+
+constexpr std::int64_t largest_file = 1 << 25;  // [bytes] a longer one is written anew
+
+std::string framed(const LineChange& change) {
+  return storage::short_records.framed(change.SerializeAsString());
+}
+
+std::filesystem::path file_of(const std::filesystem::path& directory, const std::string& name) {
+  return directory / (name + ".bin");
+}
+
+LineChange with_casting(const v1::LineCasting& casting) {
+  LineChange change;
+  *change.add_castings() = casting;
+  return change;
+}
 
 /// Empty if there is no such line. @throws DamagedLine, std::system_error
 std::optional<StoredLine> read_line(const std::filesystem::path& directory,
@@ -193,6 +188,19 @@ void set_recipe(const v1::Case& complete, v1::LineCasting& casting) {
   casting.set_recipe_end_s(complete.time().end_s());
 }
 
+void set_typed(const v1::LineCasting& typed, const std::string& user, v1::LineCasting& casting) {
+  casting.set_outcome(typed.outcome());
+  casting.set_count(typed.count());
+  casting.clear_at_m();
+  if (typed.has_at_m()) casting.set_at_m(typed.at_m());
+  *casting.mutable_cold_curl_m() = typed.cold_curl_m();
+  casting.clear_sawn_off_m();
+  if (typed.has_sawn_off_m()) casting.set_sawn_off_m(typed.sawn_off_m());
+  if (typed.has_begin_time() && !casting.has_following())
+    *casting.mutable_begin_time() = typed.begin_time();
+  casting.set_typed_by(user);
+}
+
 v1::LineCasting make_line_casting(const v1::Job& job, const v1::Following& following,
                                   const v1::Case& complete) {
   v1::LineCasting casting;
@@ -239,13 +247,13 @@ void Lines::append(const std::optional<StoredLine>& stored, const std::string& n
     change.mutable_beginning()->set_owner(owner);
     *change.mutable_beginning()->mutable_create_time() = jobs::now();
     std::filesystem::create_directories(directory_);
-    storage::replace_file(path, header() + framed(change));
+    storage::replace_file(path, StoredLine::header() + framed(change));
     owners_[name] = owner;
     return;
   }
 
   if (stored->end() > largest_file)
-    storage::replace_file(path, header() + framed(stored->as_change()));
+    storage::replace_file(path, StoredLine::header() + framed(stored->as_change()));
   storage::RecordLog log(storage::File(path, O_RDWR));
   if (stored->end() <= largest_file && log.end() > stored->end()) cut_tail(log, stored->end());
   const std::int64_t before = log.append(framed(change));
@@ -295,7 +303,7 @@ Lines::Reservation Lines::reserve(const std::string& name, const std::string& ow
                                  .limit = "lines of one user",
                                  .permitted = std::to_string(most_lines_of_user),
                                  .remedy = "forget one that is not cast on any more (dccast line "
-                                           "forget), or cast on one of them"});
+                                           "forget NAME --all), or cast on one of them"});
 
   Reserved& reserved = reserved_[name];
   if (reserved.castings++ == 0) reserved.owner = owner;
@@ -371,19 +379,8 @@ std::optional<v1::LineCasting> Lines::edit(const std::string& name, const std::s
   const v1::LineCasting* const casting = stored ? stored->find(id) : nullptr;
   if (!casting) return std::nullopt;
 
-  v1::LineCasting edited = typed;
-  edited.set_id(casting->id());
-  edited.set_job(casting->job());
-  edited.set_title(casting->title());
-  edited.set_recipe(casting->recipe());
-  edited.set_recipe_end_s(casting->recipe_end_s());
-  edited.set_ended(casting->ended());
-  edited.set_typed_by(user);
-  *edited.mutable_curls() = casting->curls();
-  edited.clear_following();
-  if (casting->has_following()) *edited.mutable_following() = casting->following();
-  if (casting->has_following() || !typed.has_begin_time())
-    *edited.mutable_begin_time() = casting->begin_time();
+  v1::LineCasting edited = *casting;
+  set_typed(typed, user, edited);
   append(stored, name, "", with_casting(edited));
   return edited;
 }

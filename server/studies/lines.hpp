@@ -42,6 +42,9 @@ v1::LineCasting make_line_casting(const v1::Job& job, const v1::Following& follo
                                   const v1::Case& complete);
 /// Names title, recipe and its end in a record. @param complete  the case that was cast
 void set_recipe(const v1::Case& complete, v1::LineCasting& casting);
+/// Writes what somebody has typed of a casting into its record; a followed one keeps its begin.
+/// @param user  who has typed it
+void set_typed(const v1::LineCasting& typed, const std::string& user, v1::LineCasting& casting);
 /// What the castings of a case have in common: LineCasting.recipe.
 std::string recipe_name(const v1::Case& complete);
 
@@ -105,8 +108,7 @@ public:
   /// Keeps the curls observed in an ended casting; nothing if the line does not have it any more.
   void end_casting(const std::string& name, const std::string& job,
                    const std::vector<v1::ObservedCurl>& curls);
-  /// Replaces what was typed of a record: all but what make_line_casting() and set_recipe() set and
-  /// gauges have told. @param user  who has typed it @return empty if there is no such line or
+  /// Replaces what was typed of a record, by set_typed(). @return empty if there is no such line or
   /// record
   std::optional<v1::LineCasting> edit(const std::string& name, const std::string& id,
                                       const v1::LineCasting& typed, const std::string& user);

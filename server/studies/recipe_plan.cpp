@@ -135,13 +135,13 @@ private:
     return CandidateRun{place % candidates, place / candidates};
   }
 
-  /// Of a casting at a candidate: its design, and data from a hypercube of the candidate's own.
+  /// Of a casting at a candidate: its design, and data of the candidate's own.
   Eigen::RowVectorXd place_of(int number, const CandidateRun& which, const Round& round) const {
     const int candidates = static_cast<int>(round.candidates.size());
     const int each = (castings() + candidates - 1) / candidates;
     const std::uint64_t of_round = number < final_round() ? 1000 : 2000;
-    const Eigen::MatrixXd data = statistics::hypercube(
-        each, space_->data(), plan_.seed() + of_round + static_cast<unsigned>(which.candidate));
+    const Eigen::MatrixXd data =
+        space_->castings(each, plan_.seed() + of_round + static_cast<unsigned>(which.candidate));
     Eigen::RowVectorXd place(space_->numbers() + space_->data());
     place << round.candidates[which.candidate].design, data.row(which.casting);
     return place;

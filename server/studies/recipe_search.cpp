@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <stdexcept>
 
 #include "core/statistics/sampling.hpp"
@@ -105,6 +106,20 @@ double RecipeSpace::casting_time_s(const Eigen::RowVectorXd& design) const {
   return changed.schedule().hold_s() + changed.time().end_s();
 }
 
+Eigen::MatrixXd RecipeSpace::castings(int count, std::uint64_t seed) const {
+  const auto& members = plan_.members();
+  if (members.empty()) return statistics::hypercube(count, data(), seed);
+
+  std::mt19937_64 random(seed);
+  const int known = members.size() / data();
+  Eigen::MatrixXd castings(count, data());
+  for (auto casting : castings.rowwise()) {
+    const int member = static_cast<int>(known * statistics::uniform(random));
+    for (int i = 0; i < data(); ++i) casting(i) = members.at(member * data() + i);
+  }
+  return castings;
+}
+
 std::vector<v1::CaseChange> RecipeSpace::data_changes(const Eigen::RowVectorXd& data) const {
   std::vector<v1::CaseChange> changes;
   for (int i = 0; i < plan_.data_size(); ++i) {
@@ -171,7 +186,6 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
 
   const v1::RecipePlan& plan = space_->plan();
   problem_ = {.design_inputs = space_->numbers(),
-              .data_inputs = space_->data(),
               .least = plan.least_curl_m(),
               .greatest = plan.greatest_curl_m(),
               .outcomes =
@@ -184,15 +198,15 @@ RecipeSearch::RecipeSearch(std::shared_ptr<const RecipeSpace> space,
 }
 
 std::vector<statistics::ScoredDesign> RecipeSearch::candidates(std::uint64_t seed) const {
-  auto chosen = statistics::spread_over(statistics::pareto_front(problem_, search_samples, seed),
-                                        space_->plan().candidates(), more_risk);
+  auto chosen = statistics::spread_over(
+      statistics::pareto_front(problem_, space_->castings(search_samples, seed), seed),
+      space_->plan().candidates(), more_risk);
   for (auto& candidate : chosen) candidate.score = score(candidate.design);
   return chosen;
 }
 
 statistics::DesignScore RecipeSearch::score(const Eigen::RowVectorXd& design) const {
-  return statistics::score_design(problem_, design,
-                                  statistics::hypercube(score_samples, space_->data(), score_seed));
+  return statistics::score_design(problem_, design, space_->castings(score_samples, score_seed));
 }
 
 statistics::Share RecipeSearch::risk(const statistics::DesignScore& score,

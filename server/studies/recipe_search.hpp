@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,9 @@ public:
   double casting_time_s(const Eigen::RowVectorXd& design) const;
   /// The changes that give the data of the case the values of a draw.
   std::vector<v1::CaseChange> data_changes(const Eigen::RowVectorXd& data) const;
+  /// (casting, data) castings, 0 to 1: a Latin hypercube, or some of those that the line of the
+  /// plan leaves possible.
+  Eigen::MatrixXd castings(int count, std::uint64_t seed) const;
   const v1::RecipePlan& plan() const { return plan_; }
 
 private:

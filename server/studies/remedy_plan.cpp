@@ -1,6 +1,7 @@
 // What helps against the findings of a job: drafts of its case with one lever moved at a time.
 #include <algorithm>
 
+#include "proto/case_file/override.hpp"
 #include "proto/case_file/quality.hpp"
 #include "proto/case_file/remedies.hpp"
 #include "server/intake/case_intake.hpp"
@@ -17,6 +18,8 @@ public:
   explicit RemedyStudy(const v1::CreateStudyRequest& request)
       : base_(request.case_()), has_companion_(case_file::quality_matters(request.case_())) {
     if (has_companion_) base_.set_quality(v1::DRAFT);
+    const auto& data = request.remedy().data();
+    case_file::apply_changes(base_, {data.begin(), data.end()});
     for (const case_file::Advice& advice : case_file::advice_against(request.remedy().findings()))
       std::ranges::move(case_file::lever_drafts(advice, base_), std::back_inserter(drafts_));
   }

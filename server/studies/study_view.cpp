@@ -42,7 +42,9 @@ void add_plan(const v1::CreateStudyRequest& request, v1::Study& study) {
   if (request.has_levers()) *study.mutable_levers() = request.levers();
   if (request.has_recipe()) {
     *study.mutable_recipe() = request.recipe();
-    study.mutable_recipe()->clear_draft();  // it is as large as a case, and no list needs it
+    // Large, and no list needs them.
+    study.mutable_recipe()->clear_draft();
+    study.mutable_recipe()->clear_members();
   }
 }
 

@@ -600,7 +600,7 @@ class Line(FollowTest):
         self.assertEqual(self.forecast(after).curls[0].line.castings, 0)
         self.assertEqual(self.forecast(self.on_line()).curls[0].line.castings, 0)
 
-        _, err = self.ended(self.dccast("line", "forget", "pit-3"))
+        _, err = self.ended(self.dccast("line", "forget", "pit-3", "--all"))
         self.assertIn("forgotten", err)
         self.refused(grpc.StatusCode.NOT_FOUND, self.line)
         self.assertFalse(self.forecast(after).curls[0].HasField("line")
@@ -618,8 +618,8 @@ class Line(FollowTest):
         error = self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.on_line, "../pit")
         self.assertIn("the first a letter or digit", error.details())
         self.refused(grpc.StatusCode.INVALID_ARGUMENT, self.line, "a b")
-        for action in ("show", "restart", "forget"):
-            _, err = self.ended(self.dccast("line", action, "pit-9"), code=5)
+        for action in (("show", "pit-9"), ("restart", "pit-9"), ("forget", "pit-9", "--all")):
+            _, err = self.ended(self.dccast("line", *action), code=5)
             self.assertIn('there is no line "pit-9"', err)
             self.assertIn("dccast line list", err)
         _, err = self.ended(self.dccast("line", "list"))
@@ -637,7 +637,7 @@ class Line(FollowTest):
         out, err = self.ended(self.dccast("line", "list"))
         self.assertIn("pit-4", out)
         self.assertIn("line pit-3 is damaged", err)
-        self.ended(self.dccast("line", "forget", "pit-3"))
+        self.ended(self.dccast("line", "forget", "pit-3", "--all"))
         self.cast()
 
 

@@ -420,8 +420,8 @@ class Service:
                       numbers: Mapping[str, tuple[float, float]], *, monitor: str = "", drafts: int = 128,
                       castings: int = 12, candidates: int = 4, seed: int = 0,
                       speed_rate_m_per_s2: float = 1.7e-5,
-                      flow_rate_m2_per_s2: float = 5.6e-5, changes: Changes | None = None,
-                      labels: Sequence[str] = (), **keys: Value) -> Study:
+                      flow_rate_m2_per_s2: float = 5.6e-5, line: str = "",
+                      changes: Changes | None = None, labels: Sequence[str] = (), **keys: Value) -> Study:
         """Queues the search for a recipe that keeps the curl inside a band whatever the data of the case
         are; `judgement()` of the study has the recipes, `evaluate().recipe` their changes of the case.
 
@@ -429,6 +429,7 @@ class Service:
         @param numbers  ends between which each number of the recipe may be, in SI: speed_start,
                         speed_run, speed_ramp, filling, hold, water_start, water_run, water_ramp
                         (docs/recipe.md); one that is absent stays as in the case
+        @param line     data that the castings of this line leave possible
         """
         plan = recipe_pb2.RecipePlan(
             numbers=[recipe_pb2.RecipePlan.Number(name=name, low=low, high=high)
@@ -436,7 +437,7 @@ class Service:
             monitor=monitor, least_curl_m=band_m[0], greatest_curl_m=band_m[1],
             greatest_speed_rate_m_per_s2=speed_rate_m_per_s2,
             greatest_flow_rate_m2_per_s2=flow_rate_m2_per_s2, drafts=drafts, castings=castings,
-            candidates=candidates, seed=seed)
+            candidates=candidates, seed=seed, line=line)
         return self._begin(self.read(case, changes, **keys),
                            study_pb2.CreateStudyRequest(recipe=plan, labels=labels))
 
@@ -460,11 +461,14 @@ class Service:
         return self._begin(self.read(case, changes, **keys),
                            study_pb2.CreateStudyRequest(mould=plan, labels=labels))
 
-    def remedy(self, job: Job) -> Study:
+    def remedy(self, job: Job, *, line: str = "") -> Study:
         """What helps against the findings of an ended job: drafts with one lever of the plant moved.
-        `judgement()` of the study says which lever, and how far. Each user has one such study for a job."""
+        `judgement()` of the study says which lever, and how far. Each user has one such study for a job.
+
+        @param line  with the data of a casting that what was cast on this line leaves possible
+        """
         return Study(self._transport, self._transport.call("CreateStudy", study_pb2.CreateStudyRequest(
-            find=True, remedy=study_pb2.RemedyPlan(job=job.id))))
+            find=True, remedy=study_pb2.RemedyPlan(job=job.id, line=line))))
 
     def _begin(self, read: Case, request: study_pb2.CreateStudyRequest) -> Study:
         """Queues a study of a case."""
@@ -482,12 +486,13 @@ class Service:
         return [Study(self._transport, message)
                 for message in itertools.islice(self._each("ListStudies", request, "studies"), limit)]
 
-    def judge(self, run: Job | Answer | Source, with_frame: bool = False) -> Judgement:
+    def judge(self, run: Job | Answer | Source, with_frame: bool = False, *, line: str = "") -> Judgement:
         """What the server concludes from one run: the largest curl with its error, when it came and where
         the heat left meanwhile; tables "curls", "end", "recipe", "checks" and "basis"; charts of its
         histories. A case is run, as by `query`.
 
         @param with_frame  also what the last stored frame of a job shows: gap, contact and pull-in
+        @param line        also what the castings of this line say of its recipe
 
         >>> service = dccast.connect()
         >>> answer = service.query("start-2d-thickness", quality="draft", time__end="20 s")
@@ -495,7 +500,8 @@ class Service:
         'curl against time'
         """
         found = run if isinstance(run, (Job, Answer)) else self.query(run)
-        request = judgement_pb2.CompareRunsRequest(runs=[_compared(found, "")], with_frame=with_frame)
+        request = judgement_pb2.CompareRunsRequest(runs=[_compared(found, "")], with_frame=with_frame,
+                                                   line=line)
         return Judgement(self._transport.call("CompareRuns", request).judgement)
 
     def compare(self, *runs: Job | Answer | Source, paired: bool = False) -> Comparison:

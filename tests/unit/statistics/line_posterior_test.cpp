@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "core/statistics/sampling.hpp"
 
@@ -134,6 +135,33 @@ TEST(LinePosterior, CurlsConditionTheNextOne) {
 
   const auto before = next_casting(model, {}, 3);
   EXPECT_NEAR(before.curl_high - before.curl_low, 2 * 1.645, 0.2);
+}
+
+/// A curl that is linear in data that are uniform bends between the plant's part of the data and
+/// the mean of its castings, and these scatter more than the bent line says.
+TEST(LinePosterior, TheBandHasTheScatterOfCastingsWhoseDataAreUniform) {
+  const LineModel model{
+      .inputs = 1,
+      .dangers = {},
+      .curl = {{[](const Eigen::MatrixXd& places) { return Eigen::VectorXd(10.0 * places.col(0)); },
+                0.0}},
+      .scatter = scatter};
+  const std::vector<LineRecord> records(
+      20, {.dangers = {}, .count = 1.0, .curl = 5.0, .curl_noise = 0.1});
+  const auto found = next_casting(model, records, 3);
+
+  // Variance of a uniform number, less that of its mean at a plant whose part is z: the correlation
+  // of two castings of a plant is (1 - scatter), so that it is asin((1 - scatter) / 2) / 2 pi.
+  const double own =
+      100.0 * (1.0 / 12.0 - std::asin(0.5 * (1.0 - scatter)) / (2.0 * std::numbers::pi));
+  const double plant = own / 20.0;
+  EXPECT_NEAR(found.curl_high - found.curl_low, 3.29 * std::sqrt(own + plant), 0.4);
+  EXPECT_EQ(found.castings.cols(), 1);
+  EXPECT_NEAR(found.castings.mean(), 0.5, 0.03);
+  // In the middle of its range a datum scatters more than on average.
+  const double in_the_middle = std::asin(scatter / (1.0 + scatter)) / (2.0 * std::numbers::pi);
+  EXPECT_NEAR((found.castings.array() - found.castings.mean()).square().mean(), in_the_middle,
+              0.004);
 }
 
 TEST(LinePosterior, AWrongRecordIsKnownAndMovesNoBand) {

@@ -33,7 +33,6 @@ Outcomes known(const Eigen::MatrixXd& places) {
 
 DesignProblem problem() {
   return {.design_inputs = 2,
-          .data_inputs = 1,
           .least = 0.4,
           .greatest = 0.6,
           .outcomes = known,
@@ -95,7 +94,7 @@ TEST(RobustSearch, AnErrorOfTheValueIsARisk) {
 }
 
 TEST(RobustSearch, TheFrontIsTheKnownOne) {
-  const auto front = pareto_front(problem(), 256, 1);
+  const auto front = pareto_front(problem(), hypercube(256, 1, 1), 1);
   ASSERT_GT(front.size(), 10U);
   EXPECT_LT(front.front().score.risk, 0.03);
   EXPECT_NEAR(front.front().design(0), 0.5, 0.01);
@@ -108,7 +107,7 @@ TEST(RobustSearch, TheFrontIsTheKnownOne) {
   }
   EXPECT_TRUE(std::ranges::is_sorted(front, {}, [](const auto& one) { return one.score.risk; }));
 
-  const auto again = pareto_front(problem(), 256, 1);
+  const auto again = pareto_front(problem(), hypercube(256, 1, 1), 1);
   ASSERT_EQ(again.size(), front.size());
 
   for (std::size_t i = 0; i < front.size(); ++i) EXPECT_EQ(again[i].design, front[i].design);
@@ -120,11 +119,12 @@ TEST(RobustSearch, LimitsHold) {
     design(0) = std::min(design(0), 0.45);
     return design;
   };
-  for (const ScoredDesign& one : pareto_front(limited, 64, 1)) EXPECT_LE(one.design(0), 0.45);
+  for (const ScoredDesign& one : pareto_front(limited, hypercube(64, 1, 1), 1))
+    EXPECT_LE(one.design(0), 0.45);
 }
 
 TEST(RobustSearch, SomeOfAFrontBeginWithTheLeastRiskAndReachItsEnds) {
-  const auto front = pareto_front(problem(), 64, 1);
+  const auto front = pareto_front(problem(), hypercube(64, 1, 1), 1);
   const auto some = spread_over(front, 4, 0.5);
   ASSERT_EQ(some.size(), 4U);
   EXPECT_EQ(some.front().design, front.front().design);
@@ -172,7 +172,7 @@ TEST(RobustSearch, SurfacesOfRunsFindTheKnownShare) {
     return Outcomes{value.means(places), danger.probability(places),
                     value.left_out_errors().norm() / std::sqrt(80.0)};
   };
-  const ScoredDesign best = pareto_front(surfaces, 64, 1).front();
+  const ScoredDesign best = pareto_front(surfaces, hypercube(64, 1, 1), 1).front();
 
   EXPECT_GT(best.design(1), 0.5);
   EXPECT_NEAR(best.design(0), 0.5, 0.03);
