@@ -171,5 +171,6 @@ def renewed(mark, runs):
             if "against" in words:
                 of_column = cells[table.head.index(words[words.index("against") + 1])]
                 against = float(NUMBER.search(of_column)[0])
-            cells[i] = ", ".join(of_job(words, job, jobs[0][i][0], against) for job in row[i])
+            between = "; " if words == ["findings"] else ", "
+            cells[i] = between.join(of_job(words, job, jobs[0][i][0], against) for job in row[i])
     return mark[0].replace(mark["table"], table.text())
