@@ -14,7 +14,6 @@ import os
 import time
 
 import run
-from waiting import until
 
 MEASURED = ("first point", "whole answer", "whole less the solver's time",
             "the same less the worker's waiting for a core")
@@ -126,7 +125,7 @@ def waited_meanwhile(before, after):
 
 def cancel(scene, case, times):
     """From the cancellation of a call to the end of the process that worked for it."""
-    from dccast.v1 import service_pb2
+    from waiting import until
     call = scene.client.ask("QueryButtCurl", case=case)
     for response in call:
         if response.HasField("step") and response.step.step >= 5:
@@ -143,7 +142,7 @@ def cancel(scene, case, times):
 def fill_batch_lane(scene):
     """Castings that compute for minutes, more of them than workers."""
     from cases import read_by_the_client, shipped
-    from support import until
+    from waiting import until
     case = read_by_the_client(shipped())
     case.mesh.refinement = 4
     for number in range(20):
@@ -152,7 +151,7 @@ def fill_batch_lane(scene):
 
 
 def steps_taken(scene):
-    from dccast.v1 import job_pb2, service_pb2
+    from dccast.v1 import job_pb2
     running = scene.client.ask("ListJobs", states=[job_pb2.RUNNING])
     return all(scene.client.job(job.id).last_step.step > 2 for job in running.jobs)
 

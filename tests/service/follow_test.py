@@ -98,7 +98,10 @@ class FollowTest(RealRunTest):
         return self.studies()[0].id
 
     def until_time(self, job_id, time_s):
-        until(lambda: self.client.job(job_id).last_step.time_s >= time_s, 30)
+        def reached():
+            job = self.client.job(job_id)
+            return job.HasField("last_step") and job.last_step.time_s >= time_s
+        until(reached, 30)
 
 
 class Record(FollowTest):
