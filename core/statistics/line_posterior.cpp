@@ -61,13 +61,17 @@ public:
   /// (place, input) data of a casting of each plant, 0 to 1.
   Eigen::MatrixXd cast(const Eigen::MatrixXd& places, std::uint64_t seed) const {
     std::mt19937_64 random(seed);
+    return cast(places, random);
+  }
+
+private:
+  Eigen::MatrixXd cast(const Eigen::MatrixXd& places, std::mt19937_64& random) const {
     const Eigen::MatrixXd data = places.leftCols(model_.inputs);
     return (kept_ * data +
             std::sqrt(model_.scatter) * normal_matrix(data.rows(), data.cols(), random))
         .unaryExpr(&normal_below);
   }
 
-private:
   /// (place) the surface at the plant's part of the data.
   Eigen::VectorXd at_plant(const LineSurface& surface, const Eigen::MatrixXd& places) const {
     return surface.mean((kept_ * places.leftCols(model_.inputs)).unaryExpr(&normal_below));
@@ -75,12 +79,8 @@ private:
 
   /// Compares plants with castings that are drawn of each.
   PlantSurface surface_of(const LineSurface& surface, std::mt19937_64& random) {
-    const Eigen::MatrixXd data = prior_.leftCols(model_.inputs);
     Eigen::MatrixXd castings(plants_drawn, castings_of_draw);
-    for (auto casting : castings.colwise())
-      casting = surface.mean((kept_ * data + std::sqrt(model_.scatter) *
-                                                 normal_matrix(data.rows(), data.cols(), random))
-                                 .unaryExpr(&normal_below));
+    for (auto casting : castings.colwise()) casting = surface.mean(cast(prior_, random));
     const Eigen::VectorXd means = castings.rowwise().mean();
     const double drawn_anew = (castings.colwise() - means).squaredNorm() /
                               static_cast<double>(castings.size() - means.size());

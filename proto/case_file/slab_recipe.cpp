@@ -325,10 +325,12 @@ Ramp water_of(const Slab& slab, const Slab& base, const Ramp& shipped, const Ram
     const double heat = speed.value.last * slab.area() / slab.perimeter();
     const double heat_of_shipped = shipped_speed.value.last * base.area() / base.perimeter();
     const double share = heat / heat_of_shipped;
+
     const double first =
         std::clamp(share * shipped.value.first, std::min(least_at_first, shipped.value.first),
                    shipped.value.first);
     const double last = std::clamp(share * shipped.value.last, usual.first, usual.last);
+
     constexpr double step = 1.0 / litres_per_min_per_m;
     ramp.value = {rounded(first, step), rounded(last, step)};
   }

@@ -23,15 +23,19 @@ void add_state(const std::string& name, const v1::LineExperience::State& state, 
 void add_states(const v1::LineExperience& experience, v1::Judgement& judgement) {
   v1::Table& table = add_table(judgement, "experience", "the next casting of this recipe");
   const double resolution_m = shown_curl_m(experience.before().high_m());
-  *table.add_columns() = text_column("known", "known");
-  *table.add_columns() = number_column("danger", "dangers", "1", 0.001);
-  *table.add_columns() = number_column("danger_low", "5 % of plants below", "1", 0.001);
-  *table.add_columns() = number_column("danger_high", "5 % above", "1", 0.001);
-  *table.add_columns() = number_column("low", "curl 5 %", "m", resolution_m);
-  *table.add_columns() = number_column("median", "50 %", "m", resolution_m);
-  *table.add_columns() = number_column("high", "95 %", "m", resolution_m);
+  add_columns(table, {
+                         text_column("known", "known"),
+                         number_column("danger", "dangers", "1", 0.001),
+                         number_column("danger_low", "5 % of plants below", "1", 0.001),
+                         number_column("danger_high", "5 % above", "1", 0.001),
+                         number_column("low", "curl 5 %", "m", resolution_m),
+                         number_column("median", "50 %", "m", resolution_m),
+                         number_column("high", "95 %", "m", resolution_m),
+                     });
+
   add_state("the ranges of the data alone", experience.before(), table);
   if (experience.has_after()) add_state("the castings too", experience.after(), table);
+
   table.set_note(fmt::format(
       "surfaces of {} runs, which misjudge the danger of {} % of runs left out, and whose curl is "
       "off by {} mm",

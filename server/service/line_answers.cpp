@@ -17,11 +17,10 @@ namespace {
 /// Newest studies among which drafts are looked for.
 constexpr int most_looked_at = 200;
 
-bool may_read(Context& context, const Call& call, const google::protobuf::Descriptor& request,
-              const std::string& id, grpc::Status* why = nullptr) {
-  const auto status = context.gate.permit_touch(call.caller, access::rule_of(request), id);
-  if (why != nullptr) *why = status;
-  return status.ok();
+/// Whether the caller may read what a request of this kind is about.
+grpc::Status permit_to_read(Context& context, const Call& call,
+                            const google::protobuf::Descriptor& request, const std::string& id) {
+  return context.gate.permit_touch(call.caller, access::rule_of(request), id);
 }
 
 /// The complete case of a study; empty: it is not there any more, or its case has faults.
@@ -65,9 +64,8 @@ studies::LineAnswer ask_line(Context& context, const Call& call, const v1::Study
   v1::Line known;
   if (!line.empty()) {
     check_line_name(line);
-    grpc::Status status;
-    if (!may_read(context, call, *v1::GetLineRequest::descriptor(), line, &status))
-      throw Refusal{status};
+    const auto status = permit_to_read(context, call, *v1::GetLineRequest::descriptor(), line);
+    if (!status.ok()) throw Refusal{status};
     known = learned_line(context, line);
   }
   const auto base = case_of(context, drafts.study().id());
@@ -79,7 +77,7 @@ v1::StudyResult drafts_over_data(Context& context, const Call& call, const v1::C
   const std::string recipe = studies::recipe_name(complete);
   for (const v1::Study& study : context.studies.requests().list({.size = most_looked_at})) {
     if (!is_over_data(study) ||
-        !may_read(context, call, *v1::GetStudyRequest::descriptor(), study.id()))
+        !permit_to_read(context, call, *v1::GetStudyRequest::descriptor(), study.id()).ok())
       continue;
     const auto base = case_of(context, study.id());
     if (!base || studies::recipe_name(*base) != recipe) continue;

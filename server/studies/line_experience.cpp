@@ -146,16 +146,13 @@ std::optional<statistics::LineRecord> record_of(const v1::LineCasting& casting,
   return knows_danger || record.curl ? std::optional(record) : std::nullopt;
 }
 
-/// The castings of a line that count, with what the others are.
-struct Castings {
-  std::vector<statistics::LineRecord> records;
-  std::vector<std::string> ids;  ///< (record)
-};
-
-Castings castings_of(const ExperienceQuestion& question, const Surfaces& surfaces, double end_m,
-                     v1::LineExperience& experience) {
+/// The castings of a line that count, in the order of `experience.counted()`; says what the others
+/// are.
+std::vector<statistics::LineRecord> records_of(const ExperienceQuestion& question,
+                                               const Surfaces& surfaces, double end_m,
+                                               v1::LineExperience& experience) {
   const std::string recipe = recipe_name(question.base);
-  Castings castings;
+  std::vector<statistics::LineRecord> records;
   std::set<std::string> others;
   for (const v1::LineCasting& casting : question.line.castings()) {
     const auto count = std::max<std::int64_t>(1, casting.count());
@@ -171,13 +168,13 @@ Castings castings_of(const ExperienceQuestion& question, const Surfaces& surface
     }
     experience.set_castings(experience.castings() + count);
     if (record->curl) experience.set_curls(experience.curls() + 1);
-    castings.records.push_back(*record);
-    castings.ids.push_back(casting.id());
     experience.add_counted(casting.id());
+    records.push_back(*record);
   }
-  experience.set_records(static_cast<int>(castings.ids.size()));
+
+  experience.set_records(experience.counted_size());
   *experience.mutable_other_recipes() = {others.begin(), others.end()};
-  return castings;
+  return records;
 }
 
 v1::LineExperience::State state_of(const statistics::LinePosterior& next, bool has_curl) {
@@ -207,19 +204,19 @@ LineAnswer ask_line(const v1::StudyResult& result, const ExperienceQuestion& que
 
   const auto& lengths = result.spread().cast_length_m();
   const double end_m = lengths.empty() ? 0.0 : *lengths.rbegin();
-  Castings castings = castings_of(question, surfaces, end_m, experience);
+  auto records = records_of(question, surfaces, end_m, experience);
   if (question.assume_sound)
-    castings.records.push_back(
+    records.push_back(
         {.dangers = std::vector<std::optional<bool>>(surfaces.knows_hang_ups() ? 2 : 1, false),
          .count = assumed_castings});
 
   const statistics::LineModel model = surfaces.model(result.study().sweep().axes_size());
   *experience.mutable_before() =
       state_of(statistics::next_casting(model, {}, experience_seed), surfaces.has_curl());
-  const auto after = statistics::next_casting(model, castings.records, experience_seed);
-  for (std::size_t i = 0; i < castings.ids.size(); ++i)
-    if (after.wrong(static_cast<Eigen::Index>(i)) > is_wrong)
-      experience.add_unexplained(castings.ids[i]);
+  const auto after = statistics::next_casting(model, records, experience_seed);
+  for (int i = 0; i < experience.counted_size(); ++i)
+    if (after.wrong(i) > is_wrong) experience.add_unexplained(experience.counted(i));
+
   if (after.effective_draws < fewest_draws) return answer;
 
   *experience.mutable_after() = state_of(after, surfaces.has_curl());
